@@ -1,0 +1,1 @@
+"""Safety filters for teams of mobile robots, as small exact quadratic programs."""

@@ -1,0 +1,45 @@
+"""The ``posflock`` command: the list of commands, and how errors reach the terminal."""
+
+import sys
+
+import typer
+
+from posflock_robotarium import __version__
+from posflock_robotarium.errors import PosflockError
+
+app = typer.Typer(
+    name="posflock",
+    help="Simulate, verify, deploy and report Robotarium experiments.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode="rich",
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def _print_version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"posflock {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _posflock(
+    version: bool = typer.Option(
+        False, "--version", callback=_print_version, is_eager=True, help="Print the version."
+    ),
+) -> None:
+    """Simulate, verify, deploy and report Robotarium experiments."""
+
+
+# Each family of commands is registered here, in the order a researcher meets them.
+
+
+def main() -> None:
+    """Run the command line; an error the user can mend is one plain line and exit code 2."""
+    try:
+        app()
+    except PosflockError as error:
+        typer.echo(f"posflock: {error}", err=True)
+        sys.exit(2)

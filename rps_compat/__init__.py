@@ -1,0 +1,1 @@
+"""The Robotarium's Python API, both generations, over one headless simulator."""
