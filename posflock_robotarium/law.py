@@ -103,18 +103,6 @@ class LawParameters:
         return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in values.items()}
 
 
-#: The paper's simulation: n = 50 in a square of 25 m.  δ is not in the paper; 0.4 to 0.55
-#: reproduces its figures.
-PAPER_SIMULATION = LawParameters(
-    distance_scale=0.5, radius=7.5, persistence=0.1, speed_limit=2.5, input_limit=5.0
-)
-
-#: The paper's experiment: nine GRITSBot X robots in the Robotarium.
-PAPER_EXPERIMENT = LawParameters(
-    distance_scale=0.12, radius=0.75, persistence=0.15, speed_limit=0.15, input_limit=0.5
-)
-
-
 def displacements(positions: ArrayLike) -> Floats:
     """Return every p_j − p_i, the raw material of the law and, at t = 0, its imprint.
 
@@ -363,3 +351,15 @@ def _as_floats(value: Any, name: str) -> Floats:
         return np.asarray(value, dtype=float)
     except (TypeError, ValueError) as error:
         raise ParameterError(f"{name}: expected numbers, got {value!r}") from error
+
+
+#: The paper's simulation: n = 50 in a square of 25 m.  δ is not in the paper; 0.4 to 0.55
+#: reproduces its figures.
+PAPER_SIMULATION = LawParameters(
+    distance_scale=0.5, radius=7.5, persistence=0.1, speed_limit=2.5, input_limit=5.0
+)
+
+#: The paper's experiment: nine GRITSBot X robots in the Robotarium.
+PAPER_EXPERIMENT = LawParameters(
+    distance_scale=0.12, radius=0.75, persistence=0.15, speed_limit=0.15, input_limit=0.5
+)
