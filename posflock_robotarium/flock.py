@@ -239,6 +239,20 @@ class Flock:
             "arena": list(self.wheels.arena),
         }
 
+    def steps_in(self, duration: float) -> int:
+        """Return how many time steps `duration` seconds are, rounded.
+
+        Raises
+        ------
+        ParameterError
+            Where that is not one step at least.
+        """
+        if not (math.isfinite(duration) and duration >= self.time_step / 2.0):
+            raise ParameterError(
+                f"duration: expected at least one step of {self.time_step:g} s, got {duration!r} s"
+            )
+        return round(duration / self.time_step)
+
     def step(self, poses: ArrayLike) -> FlockStep:
         """Decide the next command from the poses just read.
 

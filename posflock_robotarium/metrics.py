@@ -189,6 +189,34 @@ def wall_distance(
     return np.asarray(to_walls.min(axis=(0, -1)))
 
 
+def colliding_pairs(
+    poses: ArrayLike, diameter: float = 0.135, ahead: float = 0.025
+) -> NDArray[np.int_]:
+    """Return how many pairs the testbed would call in collision, (...) for (..., 3, N) poses.
+
+    Parameters
+    ----------
+    poses : (..., 3, N) array
+        Metres and radians.
+    diameter, ahead : float
+        Two robots collide where the points `ahead` metres before their centres are closer
+        than `diameter` metres (the testbed's own test).
+    """
+    x = np.asarray(poses, dtype=float)
+    points = x[..., :2, :] + ahead * heading_vectors(x)
+    close = _distances(points) < diameter
+    return np.asarray(close.sum(axis=(-2, -1)) // 2)
+
+
+def fastest_wheel(
+    commands: ArrayLike, wheel_radius: float = 0.016, base_length: float = 0.105
+) -> Floats:
+    """Return the highest |wheel speed| that (..., 2, N) commands (v, ω) ask for, rad/s."""
+    u = np.asarray(commands, dtype=float)
+    fastest = np.abs(u[..., 0, :]) + np.abs(u[..., 1, :]) * (base_length / 2.0)
+    return np.asarray(fastest.max(axis=-1) / wheel_radius)
+
+
 def pairwise_distance_variance(positions: ArrayLike) -> Floats:
     """Return Var(‖p_j − p_i‖) over all pairs, m² (paper, Fig. "metrics")."""
     return np.asarray(_pairs(positions).var(axis=-1))

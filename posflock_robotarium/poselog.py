@@ -65,7 +65,7 @@ class PoseLog:
     Parameters
     ----------
     path : path
-        Where to write, with or without ``.npy``; the folder must exist.
+        Where to write, with or without ``.npy``; the folder is made where there is none.
     robots : int
         N, at least 1.
     steps : int
@@ -112,6 +112,7 @@ class PoseLog:
             **(metadata or {}),
         }
         try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
             self._map = npy.open_memmap(
                 self.path, mode="w+", dtype=row_type(self._robots), shape=(int(steps),)
             )
@@ -120,7 +121,7 @@ class PoseLog:
         except OSError as error:
             raise OutputError(
                 f"cannot write the pose log {self.path}: {error.strerror or error};"
-                " choose a folder that exists and can be written to"
+                " choose a folder that can be written to"
             ) from error
 
     def append(

@@ -1,0 +1,255 @@
+"""The paper's experiment figures, from a pose log: snapshots, alignment, distances, speeds.
+
+Figures are drawn without a display and without touching matplotlib's global state, as PNG
+for the screen and PDF for the paper.  Curves differ in colour (Okabe and Ito's palette,
+safe for colour-blind readers) *and* in dash, so that they survive a black-and-white
+printer.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from posflock_robotarium import metrics
+from posflock_robotarium.errors import LogError, OutputError
+from posflock_robotarium.poselog import Log
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+BLUE, ORANGE, GREEN, BLACK, GREY = "#0072B2", "#D55E00", "#009E73", "#000000", "#8c8c8c"
+
+#: Width and length of a robot in metres (paper, Section "Experiment").
+ROBOT_WIDTH, ROBOT_LENGTH = 0.11, 0.10
+ARENA = (-1.6, 1.6, -1.0, 1.0)
+#: Seconds of trail behind each robot in a snapshot.
+TRAIL = 12.0
+
+
+_STYLE: dict[str, Any] = {
+    "font.size": 8,
+    "axes.labelsize": 8,
+    "xtick.labelsize": 7,
+    "ytick.labelsize": 7,
+    "legend.fontsize": 7,
+    "legend.frameon": False,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "pdf.fonttype": 42,
+}
+
+_Arguments = ParamSpec("_Arguments")
+_Result = TypeVar("_Result")
+
+
+def _in_style(draw: Callable[_Arguments, _Result]) -> Callable[_Arguments, _Result]:
+    """Let a function draw in our style without changing the caller's."""
+
+    @functools.wraps(draw)
+    def styled(*args: _Arguments.args, **kwargs: _Arguments.kwargs) -> _Result:
+        import matplotlib.style
+
+        with matplotlib.style.context(_STYLE):
+            return draw(*args, **kwargs)
+
+    return styled
+
+
+def draw_run(log: Log, folder: Path) -> list[Path]:
+    """Draw every figure of a run into `folder`, each as PNG and PDF; return the paths.
+
+    Raises
+    ------
+    LogError
+        Where the log is too short to draw.
+    OutputError
+        Where the folder cannot be written.
+    """
+    if len(log.t) < metrics.SMOOTHING_POINTS:
+        raise LogError(
+            f"the log holds {len(log.t)} rows; at least {metrics.SMOOTHING_POINTS} are needed"
+        )
+    drawn = {
+        "snapshots": snapshots(log),
+        "alignment": alignment_over_time(log),
+        "distances": distances_and_speeds(log),
+    }
+    return [path for name, figure in drawn.items() for path in save(figure, folder, name)]
+
+
+@_in_style
+def save(figure: Figure, folder: Path, name: str) -> list[Path]:
+    """Write a figure as NAME.png and NAME.pdf and return both paths."""
+    paths = [folder / f"{name}.png", folder / f"{name}.pdf"]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        # No dates inside: the same run gives the same bytes.
+        figure.savefig(paths[0], dpi=200, metadata={"Software": None})
+        figure.savefig(paths[1], metadata={"CreationDate": None, "Producer": None})
+    except OSError as error:
+        raise OutputError(f"cannot write figures into {folder}: {error.strerror}") from error
+    return paths
+
+
+@_in_style
+def snapshots(log: Log, times: Sequence[float] | None = None) -> Figure:
+    """Draw the arena at six instants: robots to scale, headings, trails (paper, Fig. 8).
+
+    Parameters
+    ----------
+    log : Log
+        The run.
+    times : six floats, optional
+        Seconds; evenly spread over the run by default.
+    """
+    figure = _figure(7.2, 3.55)
+    panels = figure.subplots(2, 3, sharex=True, sharey=True)
+    chosen = np.linspace(log.t[0], log.t[-1], 6) if times is None else np.asarray(times)
+    for axes, time, letter in zip(panels.flat, chosen, "abcdef", strict=True):
+        row = int(np.argmin(np.abs(log.t - time)))
+        _arena(axes)
+        recent = (log.t <= log.t[row]) & (log.t >= log.t[row] - TRAIL)
+        axes.plot(log.poses[recent, 0], log.poses[recent, 1], color=GREY, linewidth=0.7, zorder=1)
+        for pose in log.poses[row].T:
+            _robot(axes, pose)
+        axes.set_title(f"({letter})  t = {log.t[row]:.0f} s", fontsize=8, pad=3)
+    for axes in panels[-1]:
+        axes.set_xlabel("x (m)")
+    for axes in panels[:, 0]:
+        axes.set_ylabel("y (m)")
+    return figure
+
+
+@_in_style
+def alignment_over_time(log: Log, radius: float | None = None) -> Figure:
+    """Draw γ over time, from headings and from motion (paper, Fig. 9)."""
+    figure = _figure(3.5, 2.4)
+    axes = figure.subplots()
+    reach = _radius(log, radius)
+    positions = log.poses[:, :2]
+    motion = metrics.smoothed_velocities(positions, _time_step(log))
+    low = 0.0
+    for velocities, label, colour, dash in (
+        (metrics.heading_vectors(log.poses), "headings", BLUE, "-"),
+        (motion, "motion", ORANGE, (0, (4, 1.5))),
+    ):
+        gamma = metrics.alignment(velocities, positions, reach).gamma
+        axes.plot(log.t, gamma, color=colour, linestyle=dash, linewidth=1.2, label=label)
+        low = min(low, float(np.nanmin(gamma, initial=0.0)))
+    axes.set(
+        xlabel="time (s)", ylabel="alignment γ (–)", xlim=(0, log.t[-1]), ylim=(low - 0.05, 1.05)
+    )
+    axes.axhline(1.0, color=GREY, linewidth=0.5, zorder=0)
+    axes.legend(loc="lower right", title="γ from", title_fontsize=7)
+    return figure
+
+
+@_in_style
+def distances_and_speeds(log: Log) -> Figure:
+    """Draw nearest-neighbour, smallest and wall distances, cohesive radius, and speeds."""
+    figure = _figure(7.2, 2.4)
+    left, right = figure.subplots(1, 2)
+    positions = log.poses[:, :2]
+    curves = (
+        (metrics.cohesive_radius(positions), "cohesive radius", BLACK, (0, (1, 1))),
+        (metrics.nearest_neighbour_distance(positions), "nearest neighbour, mean", BLUE, "-"),
+        (metrics.smallest_distance(positions), "closest pair", ORANGE, (0, (4, 1.5))),
+        (metrics.wall_distance(positions), "nearest wall", GREEN, (0, (5, 1, 1, 1))),
+    )
+    for values, label, colour, dash in curves:
+        left.plot(log.t, values, color=colour, linestyle=dash, linewidth=1.1, label=label)
+    left.axhline(0.135, color=GREY, linewidth=0.8)
+    left.text(
+        log.t[-1],
+        0.125,
+        "collision diameter 0.135 m",
+        fontsize=6,
+        color="#555555",
+        ha="right",
+        va="top",
+    )
+    left.set(xlabel="time (s)", ylabel="distance (m)", xlim=(0, log.t[-1]))
+    left.set_ylim(0, 1.32 * max(float(values.max()) for values, *_ in curves))
+    left.legend(loc="upper right", ncols=2)
+
+    velocities = metrics.smoothed_velocities(positions, _time_step(log))
+    speeds = np.sqrt(np.square(velocities).sum(axis=1))
+    right.fill_between(
+        log.t,
+        speeds.min(axis=1),
+        speeds.max(axis=1),
+        color=BLUE,
+        alpha=0.2,
+        linewidth=0,
+        label="slowest to fastest",
+    )
+    right.plot(log.t, speeds.mean(axis=1), color=BLUE, linewidth=1.1, label="mean")
+    centroid = np.sqrt(np.square(velocities.mean(axis=2)).sum(axis=1))
+    right.plot(
+        log.t, centroid, color=BLACK, linestyle=(0, (4, 1.5)), linewidth=1.0, label="centroid"
+    )
+    right.set(xlabel="time (s)", ylabel="speed (m/s)", xlim=(0, log.t[-1]))
+    right.set_ylim(0, 1.25 * float(speeds.max()))
+    right.legend(loc="upper right", ncols=3)
+    return figure
+
+
+def _figure(width: float, height: float) -> Figure:
+    """Return an empty figure of so many inches, its labels sized for print."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def _arena(axes: Axes) -> None:
+    left, right, bottom, top = ARENA
+    axes.plot(
+        [left, right, right, left, left],
+        [bottom, bottom, top, top, bottom],
+        color=BLACK,
+        linewidth=1.0,
+        zorder=0,
+    )
+    axes.set(xlim=(left - 0.06, right + 0.06), ylim=(bottom - 0.06, top + 0.06))
+    axes.set_aspect("equal")
+    axes.set_xticks([-1.5, 0, 1.5])
+    axes.set_yticks([-1, 0, 1])
+    for spine in axes.spines.values():
+        spine.set_visible(False)
+
+
+def _robot(axes: Axes, pose: NDArray[np.float64]) -> None:
+    """Draw one robot to scale, an arrowhead inside telling its heading."""
+    from matplotlib.patches import Polygon
+
+    half_length, half_width = ROBOT_LENGTH / 2.0, ROBOT_WIDTH / 2.0
+    body = np.array([[-1, 1, 1, -1], [-1, -1, 1, 1]]) * [[half_length], [half_width]]
+    arrow = np.array([[0.9, -0.7, -0.35, -0.7], [0, 0.75, 0, -0.75]]) * [
+        [half_length],
+        [half_width],
+    ]
+    cosine, sine = np.cos(pose[2]), np.sin(pose[2])
+    turn = np.array([[cosine, -sine], [sine, cosine]])
+    place = pose[:2, None]
+    axes.add_patch(
+        Polygon((turn @ body + place).T, facecolor=BLUE, edgecolor=BLACK, linewidth=0.4, zorder=2)
+    )
+    axes.add_patch(Polygon((turn @ arrow + place).T, facecolor="white", linewidth=0, zorder=3))
+
+
+def _radius(log: Log, radius: float | None) -> float:
+    known = log.metadata.get("neighbour_radius") if radius is None else radius
+    if known is None:
+        raise LogError("the log does not tell the neighbour radius; give it")
+    return float(known)
+
+
+def _time_step(log: Log) -> float:
+    return float(np.median(np.diff(log.t)))
