@@ -1,0 +1,109 @@
+"""The pose log holds every step, whatever ends the process."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from posflock_robotarium.errors import LogError, OutputError, ParameterError
+from posflock_robotarium.poselog import PoseLog, read_log
+
+
+def fill(log, rows, robots=3):
+    for k in range(rows):
+        log.append(0.033 * k, np.full((3, robots), k), np.full((2, robots), -k), status="optimal")
+
+
+def test_what_is_written_is_read_by_plain_numpy(tmp_path):
+    with PoseLog(tmp_path / "run", 3, 10, {"seed": np.int64(7)}) as log:
+        fill(log, 4)
+    rows = np.load(tmp_path / "run.npy", allow_pickle=False)
+    assert rows["t"][:4].tolist() == [0.0, 0.033, 0.066, 0.099]
+    assert np.isnan(rows["t"][4:]).all()
+    assert rows["pose"].shape == (10, 3, 3)
+    description = json.loads((tmp_path / "run.json").read_text())
+    assert description["seed"] == 7
+    assert description["ended"] == {"how": "finished", "reason": "", "rows": 4}
+    back = read_log(tmp_path / "run")
+    assert back.commands.shape == (4, 2, 3)
+    assert back.status.tolist() == ["optimal"] * 4
+    assert back.robots == 3
+
+
+def test_a_log_grows_beyond_what_was_asked_for(tmp_path):
+    with PoseLog(tmp_path / "run.npy", 2, 3) as log:
+        fill(log, 25, robots=2)
+    back = read_log(tmp_path / "run.json")
+    assert np.array_equal(back.poses[:, 0, 0], np.arange(25))
+
+
+def test_a_killed_process_has_lost_nothing(tmp_path):
+    script = """
+import sys, time
+import numpy as np
+from posflock_robotarium.poselog import PoseLog
+log = PoseLog(sys.argv[1], 4, 100000)
+for k in range(100000):
+    log.append(0.033 * k, np.full((3, 4), k), np.full((2, 4), k))
+    if k == 500:
+        print("go", flush=True)
+"""
+    child = subprocess.Popen(
+        [sys.executable, "-c", script, str(tmp_path / "run")], stdout=subprocess.PIPE, text=True
+    )
+    assert child.stdout.readline() == "go\n"
+    time.sleep(0.01)
+    os.kill(child.pid, signal.SIGKILL)
+    child.wait()
+    child.stdout.close()
+    log = read_log(tmp_path / "run")
+    assert len(log.t) > 500
+    assert np.array_equal(log.poses[:, 0, 0], np.arange(len(log.t)))
+    assert log.metadata["ended"]["how"] == "running"
+
+
+def test_an_interrupt_is_recorded(tmp_path):
+    def interrupted_run():
+        with PoseLog(tmp_path / "run", 3, 5) as log:
+            fill(log, 2)
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted_run()
+    ended = read_log(tmp_path / "run").metadata["ended"]
+    assert ended["how"] == "interrupted"
+    assert ended["rows"] == 2
+
+
+def test_an_error_is_recorded_with_its_words(tmp_path):
+    with pytest.raises(ZeroDivisionError), PoseLog(tmp_path / "run", 3, 5):
+        raise ZeroDivisionError("by nothing")
+    assert read_log(tmp_path / "run").metadata["ended"]["reason"] == "ZeroDivisionError: by nothing"
+
+
+def test_a_folder_that_cannot_be_written_is_named(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OutputError, match=r"cannot write the pose log .*run\.npy"):
+        PoseLog(tmp_path / "file" / "run", 3, 5)
+
+
+@pytest.mark.parametrize("arguments", [(0, 5), (3, 0), (2.5, 5), (-1, 5)])
+def test_sizes_that_mean_nothing_are_refused(tmp_path, arguments):
+    with pytest.raises(ParameterError, match="expected a whole number from 1"):
+        PoseLog(tmp_path / "run", *arguments)
+
+
+def test_files_that_are_no_pose_log_are_named(tmp_path):
+    with pytest.raises(LogError, match="no such pose log"):
+        read_log(tmp_path / "none")
+    np.save(tmp_path / "other.npy", np.zeros(3))
+    with pytest.raises(LogError, match="expected rows with the fields t, pose, command"):
+        read_log(tmp_path / "other")
+    (tmp_path / "cut.npy").write_bytes(b"\x93NUMPY\x01\x00")
+    with pytest.raises(LogError, match="not a readable NumPy file"):
+        read_log(tmp_path / "cut")
