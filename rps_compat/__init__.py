@@ -1,1 +1,14 @@
-"""The Robotarium's Python API, both generations, over one headless simulator."""
+"""The Robotarium's Python API, both generations, over one headless simulator.
+
+    import rps_compat
+    rps_compat.install(api=2)          # from now on, `import rps` means us
+    from rps.robotarium import Robotarium
+
+``arena`` is the simulator; ``v1`` and ``v2`` are the published names over it; ``session`` says how
+instances are built (seed, imperfections, log); ``runner`` runs whole scripts.
+"""
+
+from rps_compat.install import import_path, install, installed, uninstall
+from rps_compat.session import Session
+
+__all__ = ["Session", "import_path", "install", "installed", "uninstall"]

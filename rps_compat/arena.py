@@ -1,0 +1,284 @@
+"""The simulated testbed: where the robots are, how they move, and what counts as a violation.
+
+A team of differential-drive robots stands in a rectangle. Once per time step each robot gets a
+forward speed v and a turn rate ω. The motors know wheels only, so the command is converted to the
+two wheel speeds
+
+    ω_left = (2 v - L ω) / 2R        ω_right = (2 v + L ω) / 2R        (R wheel radius, L axle)
+
+each is cut at the motors' limit, and what is left is converted back. The pose then moves along the
+unicycle model, by one explicit Euler step of 33 ms, which is what the published simulators do:
+
+    x ← x + dt v cos θ        y ← y + dt v sin θ        θ ← θ + dt ω
+
+Three things are counted, at the poses from which a step starts: wheels asked to turn faster than
+they can, robots outside the rectangle, and pairs too close. Two robots are too close when the
+points a little ahead of their centres (where the body's middle is) are nearer than the collision
+diameter. :class:`Arena` knows nothing of the API's two generations: `rps_compat.v1` and
+`rps_compat.v2` give it their names and units.
+
+Two kinds of guests may be handed in. A :class:`Realism` stands between command and motion and
+between pose and measurement: with None the arena is ideal. A :class:`Recorder` is told of every
+step, whatever the script does.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rps_compat.errors import CommandError
+from rps_compat.violations import Violations
+
+Array = NDArray[np.float64]
+
+PI = float(np.pi)
+
+
+@dataclass(frozen=True)
+class RobotModel:
+    """Dimensions and limits of one kind of robot and its arena.
+
+    Lengths in metres, speeds in metres or radians per second; the wheel limit in radians per
+    second of the wheel. `boundaries` is (x_min, x_max, y_min, y_max).
+    """
+
+    wheel_radius: float
+    base_length: float
+    max_wheel_velocity: float
+    collision_diameter: float
+    collision_offset: float
+    time_step: float
+    boundaries: tuple[float, float, float, float]
+
+
+#: The robot of generation 1 of the testbed.
+GRITSBOT_X = RobotModel(0.016, 0.105, 12.5, 0.135, 0.025, 0.033, (-1.6, 1.6, -1.0, 1.0))
+#: The robot of generation 2.
+GTERNAL = RobotModel(0.016, 0.11, 12.5, 0.135, 0.025, 0.033, (-1.6, 1.6, -1.0, 1.0))
+
+
+class Realism(Protocol):
+    """How far reality is from the ideal arena; ``None`` in its place means ideal."""
+
+    def reset(self, poses: Array, time_step: float, rng: np.random.Generator) -> None:
+        """Begin a run of robots at `poses` (3, N), drawing all randomness from `rng`."""
+
+    def actuate(self, velocities: Array, poses: Array, time: float) -> Array:
+        """Velocities (2, N) that the robots really drive in the step that begins at `time`.
+
+        Parameters
+        ----------
+        velocities
+            What was commanded, cut at the wheels' limits, (2, N), m/s and rad/s. Not to be changed.
+        poses
+            True poses at the start of the step, (3, N). Not to be changed.
+        time
+            Seconds since the start of the run.
+        """
+
+    def observe(self, poses: Array) -> Array:
+        """Poses (3, N) as the tracking system reports true `poses` (3, N), which stay unchanged."""
+
+
+class Recorder(Protocol):
+    """What is told of every step of every arena; the pose log is one."""
+
+    def append(self, time: float, poses: Array, commands: Array) -> None:
+        """Take note of one step: its time (s), poses as read (3, N), commands as given (2, N).
+
+        The arrays are the arena's own: copy what is kept.
+        """
+
+
+class Arena:
+    """A team of robots in the simulated testbed.
+
+    Parameters
+    ----------
+    poses
+        Initial poses, (3, N): metres and radians. Copied.
+    robot
+        Dimensions and limits.
+    realism
+        Imperfections of motors and tracking; None is the ideal arena.
+    recorder
+        Is told of every step.
+    rng
+        Where `realism` draws from; needed only with one.
+
+    Attributes
+    ----------
+    poses : ndarray (3, N)
+        True poses now, changed in place by :meth:`step`.
+    commands : ndarray (2, N)
+        Velocities commanded; after a step those that the wheels admit, as the testbed holds them
+        until the next command.
+    velocities : ndarray (2, N)
+        Velocities really driven in the last step.
+    steps : int
+        Steps done.
+    violations : Violations
+        What would be held against the run on the testbed.
+    """
+
+    def __init__(
+        self,
+        poses: Array,
+        robot: RobotModel = GRITSBOT_X,
+        *,
+        realism: Realism | None = None,
+        recorder: Recorder | None = None,
+        rng: np.random.Generator | None = None,
+    ) -> None:
+        self.poses: Array = np.array(poses, dtype=float)
+        robots = self.poses.shape[1]
+        self.robot = robot
+        self.realism = realism
+        self.recorder = recorder
+        self.commands: Array = np.zeros((2, robots))
+        self.velocities: Array = self.commands
+        self.steps = 0
+        self.time = 0.0
+        self.violations = Violations()
+        self._observed: Array | None = None
+        self._pairs = np.triu_indices(robots, 1)
+        if realism is not None:
+            realism.reset(self.poses, robot.time_step, rng or np.random.default_rng())
+
+    @property
+    def number_of_robots(self) -> int:
+        """How many robots stand in the arena."""
+        return int(self.poses.shape[1])
+
+    def observe(self) -> Array:
+        """Poses (3, N) as the tracking system reports them; without realism the live true poses."""
+        if self.realism is None:
+            return self.poses
+        if self._observed is None:
+            self._observed = self.realism.observe(self.poses)
+        return self._observed
+
+    def wheels(self, velocities: Array) -> Array:
+        """Wheel speeds (2, N), left then right in rad/s, of `velocities` (2, N)."""
+        forward, axle = 2 * velocities[0], self.robot.base_length * velocities[1]
+        out: Array = np.empty((2, velocities.shape[1]))
+        np.subtract(forward, axle, out=out[0])
+        np.add(forward, axle, out=out[1])
+        out *= 1 / (2 * self.robot.wheel_radius)
+        return out
+
+    def unicycle(self, wheels: Array) -> Array:
+        """Velocities (2, N) of robots whose `wheels` (2, N) turn, left then right in rad/s."""
+        radius = self.robot.wheel_radius
+        out: Array = np.empty((2, wheels.shape[1]))
+        np.add(wheels[0], wheels[1], out=out[0])
+        out[0] *= radius / 2
+        np.subtract(wheels[1], wheels[0], out=out[1])
+        out[1] *= radius / self.robot.base_length
+        return out
+
+    def saturate(self, velocities: Array) -> Array:
+        """Velocities (2, N) with each wheel cut at its limit, as the motors do."""
+        limit = self.robot.max_wheel_velocity
+        return self.unicycle(np.clip(self.wheels(velocities), -limit, limit))
+
+    def place(self, poses: Array) -> None:
+        """Put the robots at `poses` (3, N), metres and radians, as if carried there."""
+        self.poses = np.array(poses, dtype=float)
+        self._observed = None
+
+    def check(self) -> None:
+        """Count what is wrong at the present poses and commands, without moving."""
+        speeds = np.abs(self.wheels(self._checked(self.commands)))
+        if speeds.size and speeds.max() > self.robot.max_wheel_velocity:
+            self.violations.actuator(self.steps, speeds, self.robot.max_wheel_velocity)
+        self._check_places(np.cos(self.poses[2]), np.sin(self.poses[2]))
+
+    def forget_violations(self) -> None:
+        """Start counting afresh."""
+        self.violations = Violations()
+
+    def step(self) -> None:
+        """Count violations, cut the commands at the wheels, drive for one time step.
+
+        Raises
+        ------
+        CommandError
+            Commands that are not finite, or not of shape (2, N) (or (2, 1), alike for all). The
+            robots have not moved then.
+        """
+        poses, robot = self.poses, self.robot
+        commands = self._checked(self.commands)
+        wheels = self.wheels(commands)
+        limit = robot.max_wheel_velocity
+        speeds = np.abs(wheels)
+        if speeds.size and not speeds.max() <= limit:  # a NaN takes this path too
+            require_finite(commands)
+            self.violations.actuator(self.steps, speeds, limit)
+            np.minimum(wheels, limit, out=wheels)
+            np.maximum(wheels, -limit, out=wheels)
+        cosine, sine = np.cos(poses[2]), np.sin(poses[2])
+        self._check_places(cosine, sine)
+        if self.recorder is not None:
+            self.recorder.append(self.time, self.observe(), self._for_all(commands))
+        admitted = self.unicycle(wheels)
+        self.commands = driven = admitted
+        if self.realism is not None:
+            driven = self.realism.actuate(self._for_all(admitted), poses, self.time)
+        self.velocities = driven
+        self._drive(driven, cosine, sine)
+        self._observed = None
+        self.steps += 1
+        self.time = self.steps * robot.time_step
+
+    def _checked(self, commands: Array) -> Array:
+        robots = self.poses.shape[1]
+        if commands.shape in ((2, robots), (2, 1)):
+            return commands
+        raise CommandError(
+            f"velocities have shape {commands.shape}, but {robots} robots need (2, {robots}): "
+            "a row of forward speeds in m/s, a row of turn rates in rad/s"
+        )
+
+    def _for_all(self, commands: Array) -> Array:
+        return np.broadcast_to(commands, (2, self.poses.shape[1]))
+
+    def _check_places(self, cosine: Array, sine: Array) -> None:
+        x, y, _ = self.poses
+        x_min, x_max, y_min, y_max = self.robot.boundaries
+        if (x < x_min).any() or (x > x_max).any() or (y < y_min).any() or (y > y_max).any():
+            beyond = np.maximum.reduce([x_min - x, x - x_max, y_min - y, y - y_max])
+            self.violations.outside(self.steps, beyond)
+        i, j = self._pairs
+        if not len(i):
+            return
+        ahead, reach = self.robot.collision_offset, self.robot.collision_diameter
+        body_x, body_y = x + ahead * cosine, y + ahead * sine
+        gap_x, gap_y = body_x[i] - body_x[j], body_y[i] - body_y[j]
+        squared = gap_x * gap_x + gap_y * gap_y
+        if squared.min() <= reach * reach:
+            close = np.flatnonzero(squared <= reach * reach)
+            self.violations.close(self.steps, i[close], j[close], np.sqrt(squared[close]))
+
+    def _drive(self, velocities: Array, cosine: Array, sine: Array) -> None:
+        poses, dt = self.poses, self.robot.time_step
+        distance = dt * velocities[0]
+        poses[0] += distance * cosine
+        poses[1] += distance * sine
+        theta = poses[2]
+        theta += dt * velocities[1]
+        if (np.abs(theta) > PI).any():
+            np.arctan2(np.sin(theta), np.cos(theta), out=theta)
+
+
+def require_finite(velocities: Array) -> None:
+    """Raise CommandError, naming robot and value, unless all `velocities` (2, N) are finite."""
+    if not np.isfinite(velocities).all():
+        row, robot = (int(k) for k in np.argwhere(~np.isfinite(velocities))[0])
+        name = ("forward speed", "turn rate")[row]
+        raise CommandError(
+            f"the {name} of robot {robot} is {velocities[row, robot]} (velocities[{row}, {robot}]):"
+            " only finite velocities can be driven; look for a division by zero or a missing value"
+        )

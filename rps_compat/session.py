@@ -1,0 +1,103 @@
+"""How the Robotarium instances of this process are built: one object, set by whoever runs scripts.
+
+A script says ``Robotarium(number_of_robots=9, ...)`` and nothing about seeds, imperfections or
+logs. The runner, a verifier or a test says those things once, in a :class:`Session`, and every
+instance made while it is active obeys::
+
+    with Session(initial="exact", recorder=lambda robots: my_log).active():
+        runpy.run_path("script.py")
+
+Nothing of one instance reaches the next: each gets its own arena, its own random stream and its
+own recorder.
+"""
+
+import contextlib
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Any, Literal, get_args
+
+import numpy as np
+
+from rps_compat.arena import Arena, Array, Realism, Recorder, RobotModel
+from rps_compat.errors import RobotariumError
+
+Initial = Literal["published", "exact", "arrive", "drive"]
+
+
+class SessionError(RobotariumError, ValueError):
+    """A session asked for something that does not exist."""
+
+
+@dataclass
+class Session:
+    """What every Robotarium instance made while it is active has in common.
+
+    Attributes
+    ----------
+    initial
+        How robots come to their initial conditions: "published" as each generation does it
+        (generation 1 starts there, generation 2 drives there unless ``skip_initialization``),
+        "exact" starts there, "arrive" starts within the testbed's arrival error of 5 cm and
+        0.2 rad, "drive" drives there.
+    seed
+        Seed of everything random that is not the script's own: imperfections, arrival errors.
+    realism
+        Makes the imperfections of one instance; None is the ideal arena.
+    recorder
+        Makes what records one instance, from its number of robots; None records nothing.
+    created
+        Is told of each new instance.
+    wait
+        Whether ``sim_in_real_time=True`` really waits: True, False, or None for only where
+        somebody can see it, in a window.
+    """
+
+    initial: Initial = "published"
+    seed: int | None = None
+    realism: Callable[[], Realism] | None = None
+    recorder: Callable[[int], Recorder] | None = None
+    created: Callable[[Any], None] | None = None
+    wait: bool | None = None
+    instances: int = field(default=0, init=False)
+
+    def __post_init__(self) -> None:
+        if self.initial not in get_args(Initial):
+            raise SessionError(
+                f"initial is {self.initial!r}, expected one of {', '.join(get_args(Initial))}"
+            )
+
+    def generator(self) -> np.random.Generator:
+        """Random stream of the next instance: its own, and the same for the same seed."""
+        stream = self.instances
+        self.instances += 1
+        if self.seed is None:
+            return np.random.default_rng()
+        return np.random.default_rng([self.seed, stream])
+
+    def arena(self, poses: Array, robot: RobotModel, rng: np.random.Generator) -> Arena:
+        """Arena of one instance with robots at `poses` (3, N)."""
+        return Arena(
+            poses,
+            robot,
+            realism=None if self.realism is None else self.realism(),
+            recorder=None if self.recorder is None else self.recorder(poses.shape[1]),
+            rng=rng,
+        )
+
+    @contextlib.contextmanager
+    def active(self) -> Iterator["Session"]:
+        """Let this session build the instances of the ``with`` block; sessions may be nested."""
+        global _current
+        before, _current = _current, self
+        try:
+            yield self
+        finally:
+            _current = before
+
+
+_current = Session()
+
+
+def current() -> Session:
+    """Session that is active; by default everything as published, and ideal."""
+    return _current

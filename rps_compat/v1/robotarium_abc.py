@@ -1,0 +1,227 @@
+"""What every Robotarium of generation 1 has: constructor, commands, wheels, validation."""
+
+import math
+import time
+from abc import ABC, abstractmethod
+from typing import Any
+
+import numpy as np
+
+from rps_compat import session
+from rps_compat.arena import Arena, Array, RobotModel, require_finite
+from rps_compat.errors import ConstructorError
+from rps_compat.initial import checked_poses
+from rps_compat.lazy import LazyModule
+from rps_compat.wrong_generation import refuse
+
+plt = LazyModule("matplotlib.pyplot")
+patches = LazyModule("matplotlib.patches")
+misc = LazyModule("rps_compat.v1.utilities.misc")
+
+# Scripts get these names from `import *`, so every one of them is part of the interface.
+__all__ = [
+    "ABC", "RobotariumABC", "abstractmethod", "math", "misc", "np", "patches", "plt", "time",
+]  # fmt: skip
+
+_MESSAGES = {
+    "boundary": "iteration(s) robots were outside the boundaries.",
+    "collision": "iteration(s) where robots collided.",
+    "actuator": "iteration(s) where the actuator limits of at least one robot were exceeded and "
+    "thresholded to their maximum rotational velocity.",
+}
+
+
+class RobotariumABC(ABC):
+    """The parts of a Robotarium that do not depend on where its robots are.
+
+    Parameters
+    ----------
+    number_of_robots
+        1 to 50.
+    show_figure
+        Whether the arena is drawn. Without it no figure is made until ``axes`` or ``figure`` is
+        asked for.
+    sim_in_real_time
+        Whether ``step`` waits for its slot of 33 ms (in a window; nobody waits without one).
+    initial_conditions
+        Poses (3, N), metres and radians; an empty array draws them at random.
+
+    Raises
+    ------
+    ConstructorError, InitialConditionsError
+        What is wrong with the arguments, and what was expected. Both are AssertionErrors.
+    """
+
+    def __init__(
+        self,
+        number_of_robots: int = -1,
+        show_figure: bool = True,
+        sim_in_real_time: bool = True,
+        initial_conditions: Array = np.array([]),  # noqa: B008 - the published default
+    ) -> None:
+        if not isinstance(number_of_robots, int):
+            raise ConstructorError(
+                f"number_of_robots is {number_of_robots!r} ({type(number_of_robots).__name__}), "
+                "expected an int from 1 to 50"
+            )
+        if not 1 <= number_of_robots <= 50:
+            raise ConstructorError(f"number_of_robots is {number_of_robots}, expected 1 to 50")
+        for name, flag in (("show_figure", show_figure), ("sim_in_real_time", sim_in_real_time)):
+            if not isinstance(flag, bool):
+                raise ConstructorError(f"{name} is {flag!r}, expected True or False")
+
+        self.number_of_robots = number_of_robots
+        self.show_figure = show_figure
+        self.initial_conditions = initial_conditions
+        self.sim_in_real_time = sim_in_real_time
+
+        # Constants of the testbed. Scripts read them, and some change them: every step obeys.
+        self.time_step = 0.033
+        self.robot_diameter = 0.11
+        self.robot_length = 0.095
+        self.robot_width = 0.09
+        self.robot_radius = self.robot_diameter / 2
+        self.wheel_radius = 0.016
+        self.base_length = 0.105
+        self.max_linear_velocity = 0.2
+        self.max_angular_velocity = 2 * (self.wheel_radius / self.robot_diameter) * (0.2 / 0.016)
+        self.max_wheel_velocity = self.max_linear_velocity / self.wheel_radius
+        self.collision_offset = 0.025
+        self.collision_diameter = 0.135
+        self.boundaries: list[float] = [-1.6, -1, 3.2, 2]
+
+        self._called_step_already = True
+        self._checked_poses_already = False
+        self._session = session.current()
+        rng = self._session.generator()
+        poses = self._first_poses(initial_conditions)
+        self.initial_conditions = poses.copy()
+        self._model_key: tuple[float, ...] = self._constants()
+        self._arena = self._session.arena(poses, self._model(), rng)
+        self._reported = self._arena.observe()
+        self.previous_render_time = 0.0
+        self.file_path = None
+        self.current_file_size = 0
+        self.left_led_commands: list[Any] = []
+        self.right_led_commands: list[Any] = []
+        if self._session.created is not None:
+            self._session.created(self)
+
+    def _first_poses(self, initial_conditions: Array) -> Array:
+        if np.shape(initial_conditions) == (0,):
+            poses: Array = misc.generate_initial_conditions(
+                self.number_of_robots, spacing=0.2, width=2.5, height=1.5
+            )
+            return poses
+        return checked_poses(initial_conditions, self.number_of_robots)
+
+    def __getattr__(self, name: str) -> Any:
+        return refuse(self, name, generation=1)
+
+    def _constants(self) -> tuple[float, ...]:
+        return (
+            self.wheel_radius,
+            self.base_length,
+            self.max_wheel_velocity,
+            self.collision_diameter,
+            self.collision_offset,
+            self.time_step,
+            *self.boundaries,
+        )
+
+    def _model(self) -> RobotModel:
+        *robot, x, y, width, height = self._constants()
+        wheel, base, limit, diameter, offset, step = robot
+        edges = (x, x + width, y, y + height)
+        return RobotModel(wheel, base, limit, diameter, offset, step, edges)
+
+    def _obey_constants(self) -> Arena:
+        constants = self._constants()
+        if constants != self._model_key:
+            self._model_key, self._arena.robot = constants, self._model()
+        return self._arena
+
+    @property
+    def poses(self) -> Array:
+        """Poses (3, N) as tracked: a live array, which ``step`` changes in place."""
+        return self._reported
+
+    @poses.setter
+    def poses(self, poses: Array) -> None:
+        self._arena.place(checked_poses(np.asarray(poses), self.number_of_robots))
+        self._reported = self._arena.observe()
+
+    @property
+    def velocities(self) -> Array:
+        """Velocities (2, N) commanded, m/s and rad/s; after ``step`` cut at the wheels' limits."""
+        return self._arena.commands
+
+    @velocities.setter
+    def velocities(self, velocities: Array) -> None:
+        self._arena.commands = velocities
+
+    @property
+    def _iterations(self) -> int:
+        return self._arena.steps
+
+    @property
+    def _errors(self) -> dict[str, Any]:
+        found = self._arena.violations
+        errors: dict[str, Any] = {}
+        for kind, count in (
+            ("boundary", dict(found.outside_by_robot)),
+            ("collision", dict(found.close_by_robot)),
+            ("actuator", found.actuator_steps),
+        ):
+            if count:
+                errors[kind] = count
+                errors[f"{kind}_string"] = _MESSAGES[kind]
+        return errors
+
+    @_errors.setter
+    def _errors(self, errors: dict[str, Any]) -> None:
+        # Scripts that copy the published step write `self._errors = self._validate()`, and those
+        # that start counting afresh write {}.
+        if not errors:
+            self._arena.forget_violations()
+
+    def set_velocities(self, ids: Any, velocities: Array) -> None:
+        """Command all robots, from the next step on.
+
+        Parameters
+        ----------
+        ids
+            Ignored, as by the published simulator: the columns of `velocities` are the robots.
+        velocities
+            Forward speeds (m/s) and turn rates (rad/s), (2, N); the array itself is kept.
+
+        Raises
+        ------
+        CommandError
+            A velocity is not finite. A wrong shape is refused by the following ``step``.
+        """
+        if not isinstance(velocities, np.ndarray) or velocities.dtype.kind != "f":
+            velocities = np.asarray(velocities, dtype=float)
+        require_finite(velocities)
+        self._arena.commands = velocities
+
+    @abstractmethod
+    def get_poses(self) -> Array:
+        """Poses (3, N) as tracked."""
+
+    @abstractmethod
+    def step(self) -> None:
+        """Drive for one time step."""
+
+    def _uni_to_diff(self, dxu: Array) -> Array:
+        return self._obey_constants().wheels(dxu)
+
+    def _diff_to_uni(self, dxdd: Array) -> Array:
+        return self._obey_constants().unicycle(dxdd)
+
+    def _threshold(self, dxu: Array) -> Array:
+        return self._obey_constants().saturate(dxu)
+
+    def _validate(self, errors: dict[str, Any] = {}) -> dict[str, Any]:  # noqa: B006 - never changed
+        self._obey_constants().check()
+        return {**errors, **self._errors}

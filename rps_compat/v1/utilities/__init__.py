@@ -1,0 +1,1 @@
+"""The utilities of generation 1, by their published names."""

@@ -1,0 +1,297 @@
+"""What every Robotarium of generation 2 has: constants, options, commands, wheels, validation."""
+
+import math
+import warnings
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, fields
+from difflib import get_close_matches
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rps_compat import session
+from rps_compat.arena import Arena, Array, RobotModel, require_finite
+from rps_compat.errors import CommandError, ConstructorError
+from rps_compat.initial import checked_poses
+from rps_compat.lazy import LazyModule
+from rps_compat.wrong_generation import refuse
+
+plt = LazyModule("matplotlib.pyplot")
+patches = LazyModule("matplotlib.patches")
+_misc = LazyModule("rps_compat.v2.utilities.misc")
+
+# Scripts get these names from `import *`, so every one of them is part of the interface.
+__all__ = ["ABC", "ARobotarium", "NDArray", "abstractmethod", "math", "np", "patches", "plt"]
+
+
+@dataclass
+class _Options:
+    """Arguments of the constructor, which the published API takes as ``**kwargs``."""
+
+    number_of_robots: Any = None
+    show_figure: Any = True
+    sim_in_real_time: Any = True
+    initial_conditions: Any = ()
+    skip_initialization: Any = False
+    use_distance_sensors: Any = False
+    obstacles: Any = None
+    show_arena_boundaries: Any = True
+    show_distance_endpoints: Any = True
+    show_distance_rays: Any = False
+    show_obstacles: Any = True
+    show_robot_patches: Any = True
+
+    @classmethod
+    def of(cls, given: dict[str, Any]) -> "_Options":
+        known = [option.name for option in fields(cls)]
+        for name in given.keys() - set(known):
+            # As published, an unknown name is no error; silence would hide a typing error.
+            near = get_close_matches(name, known, 1)
+            hint = f"; did you mean {near[0]}?" if near else ""
+            warnings.warn(f"Robotarium ignores the argument {name!r}{hint}", stacklevel=4)
+        return cls(**{name: value for name, value in given.items() if name in known})
+
+    def check(self) -> None:
+        robots = self.number_of_robots
+        if robots is None:
+            raise ConstructorError("number_of_robots is missing: Robotarium(number_of_robots=9)")
+        if not isinstance(robots, int | np.integer) or isinstance(robots, bool):
+            raise ConstructorError(
+                f"number_of_robots is {robots!r} ({type(robots).__name__}), expected an int"
+            )
+        if not 1 <= robots <= 50:
+            raise ConstructorError(f"number_of_robots is {robots}, expected 1 to 50")
+        for option in fields(self):
+            value = getattr(self, option.name)
+            if isinstance(option.default, bool) and not isinstance(value, bool):
+                raise ConstructorError(f"{option.name} is {value!r}, expected True or False")
+
+
+class ARobotarium(ABC):
+    """The parts of a Robotarium that do not depend on where its robots are.
+
+    Parameters
+    ----------
+    number_of_robots : int
+        1 to 50.
+    show_figure : bool
+        Whether the arena is drawn, by default True. Without it no figure is made until
+        ``_axes_handle`` or ``_fig`` is asked for.
+    sim_in_real_time : bool
+        Whether ``step`` waits for its slot of 33 ms (in a window), by default True.
+    initial_conditions : ndarray (3, N)
+        Where the experiment begins, metres and radians; left out, it is drawn at random.
+    skip_initialization : bool
+        Start there instead of driving there, by default False.
+    use_distance_sensors : bool
+        Simulate the seven infrared sensors, by default False.
+    obstacles : ndarray (M, 2, 2)
+        Segments that the distance sensors see: end points in metres.
+    show_arena_boundaries, show_robot_patches, show_obstacles : bool
+        What the figure shows, by default all.
+    show_distance_endpoints, show_distance_rays : bool
+        Whether the figure shows what the distance sensors hit (True) and the rays (False).
+
+    Raises
+    ------
+    ConstructorError, InitialConditionsError
+        What is wrong with the arguments, and what was expected.
+    """
+
+    TIME_STEP = 0.033
+    MAX_LINEAR_VELOCITY = 0.2
+    ROBOT_DIAMETER = 0.11
+    WHEEL_RADIUS = 0.016
+    BASE_LENGTH = 0.11
+    MAX_WHEEL_VELOCITY = 12.5
+    MAX_ANGULAR_VELOCITY = 2 * (WHEEL_RADIUS / ROBOT_DIAMETER) * MAX_WHEEL_VELOCITY
+    CENTER_OFFSET = 0.01
+    COLLISION_OFFSET = 0.025
+    COLLISION_DIAMETER = 0.135
+    BOUNDARIES: Array = np.array([-1.6, 1.6, -1.0, 1.0])
+
+    ENCODER_COUNTS_PER_REVOLUTION = 28
+    MOTOR_GEAR_RATIO = 100.37
+    ENCODER_NOISE_STD = 0.25
+    ACCELEROMETER_NOISE_STDS: Array = np.array([0.012929, 0.012127, 0.052979])
+    GYRO_NOISE_STDS: Array = np.array([0.001663, 0.001216, 0.002372])
+    MAGNETOMETER_NOISE_STDS: Array = np.array([3.275843, 2.365798, 5.232685])
+    MAGNETOMETER_XY_AVG = 6.0712
+    MAGNETOMETER_Z_AVG = -39.8594
+    ORIENTATION_NOISE_STD = 0.31083
+    IMU_ORIENTATION: Array = np.array([0.05621, -0.0130372, 0.0])
+    DISTANCE_SENSORS_ORIENTATION: Array = np.array(
+        [
+            [-0.04, 0.0, 0.04, 0.05, 0.04, 0.0, -0.04],
+            [0.04, 0.06, 0.05, 0.0, -0.05, -0.06, -0.04],
+            [np.pi, np.pi / 2, np.pi / 4, 0.0, -np.pi / 4, -np.pi / 2, -np.pi],
+        ]
+    )
+    DISTANCE_SENSOR_RANGE = 1.2
+    DISTANCE_SENSOR_ERROR = 0.03
+    DISTANCE_SENSOR_DROPOUT_PROB = 0.035
+    DISTANCE_SENSOR_OUTLIER_PROB = 0.014
+
+    def __init__(self, **kwargs: Any) -> None:
+        options = _Options.of(kwargs)
+        options.check()
+        robots = self.number_of_robots = int(options.number_of_robots)
+        self.show_figure = options.show_figure
+        self._sim_in_real_time = options.sim_in_real_time
+        self.show_arena_boundaries = options.show_arena_boundaries
+        self.show_distance_endpoints = options.show_distance_endpoints
+        self.show_distance_rays = options.show_distance_rays
+        self.show_obstacles = options.show_obstacles
+        self.show_robot_patches = options.show_robot_patches
+        self._distance_sensors_enabled = options.use_distance_sensors
+        self.obstacles = options.obstacles
+
+        self.initializing = False
+        self._called_step_already = True
+        self._checked_poses_already = False
+        self._previous_render_time = 0.0
+        self._leds = np.zeros((3, robots))
+        self._velocities_old = np.zeros((2, robots))
+
+        self._session = session.current()
+        self._rng = self._session.generator()
+        self._model_key: tuple[Any, ...] = self._constants()
+        target = self._target(options.initial_conditions)
+        self._arena = self._session.arena(target, self._model(), self._rng)
+        if self._session.created is not None:
+            self._session.created(self)
+
+    def _target(self, initial_conditions: Any) -> Array:
+        if isinstance(initial_conditions, tuple) and not initial_conditions:
+            poses: Array = _misc.generate_random_poses(
+                self.number_of_robots, spacing=0.5, width=2.75, height=1.75
+            )
+            return poses
+        return checked_poses(initial_conditions, self.number_of_robots)
+
+    def __getattr__(self, name: str) -> Any:
+        return refuse(self, name, generation=2)
+
+    def _constants(self) -> tuple[Any, ...]:
+        return (
+            self.WHEEL_RADIUS,
+            self.BASE_LENGTH,
+            self.MAX_WHEEL_VELOCITY,
+            self.COLLISION_DIAMETER,
+            self.COLLISION_OFFSET,
+            self.TIME_STEP,
+            id(self.BOUNDARIES),
+        )
+
+    def _model(self) -> RobotModel:
+        wheel, base, limit, diameter, offset, step, _ = self._constants()
+        x_min, x_max, y_min, y_max = (float(edge) for edge in self.BOUNDARIES)
+        edges = (x_min, x_max, y_min, y_max)
+        return RobotModel(wheel, base, limit, diameter, offset, step, edges)
+
+    def _obey_constants(self) -> Arena:
+        constants = self._constants()
+        if constants != self._model_key:
+            self._model_key, self._arena.robot = constants, self._model()
+        return self._arena
+
+    @property
+    def _poses(self) -> Array:
+        return self._arena.poses
+
+    @_poses.setter
+    def _poses(self, poses: Array) -> None:
+        self._arena.place(checked_poses(np.asarray(poses), self.number_of_robots))
+
+    @property
+    def _velocities(self) -> Array:
+        return self._arena.commands
+
+    @_velocities.setter
+    def _velocities(self, velocities: Array) -> None:
+        self._arena.commands = velocities
+
+    @property
+    def _iteration(self) -> int:
+        return self._arena.steps
+
+    @property
+    def _errors(self) -> dict[str, int]:
+        found = self._arena.violations
+        counts = {
+            "robots_outside_boundaries": found.outside_steps,
+            "robots_too_close": found.close_pairs,
+            "exceeded_actuator_limits": found.actuator_steps,
+        }
+        return {kind: count for kind, count in counts.items() if count}
+
+    @_errors.setter
+    def _errors(self, errors: dict[str, int]) -> None:
+        # Scripts that copy the published step write `self._errors = self._validate(...)`, and
+        # those that start counting afresh write {}.
+        if not errors:
+            self._arena.forget_violations()
+
+    def set_velocities(self, ids: NDArray[np.integer], velocities: Array) -> None:
+        """Command some robots, from the next step on; the others keep what they have.
+
+        Parameters
+        ----------
+        ids
+            Which robots, (M,).
+        velocities
+            Their forward speeds (m/s) and turn rates (rad/s), (2, M). Copied.
+
+        Raises
+        ------
+        CommandError
+            No such robot, a wrong shape, or a velocity that is not finite: with robot and value.
+        """
+        given = np.asarray(velocities, dtype=float)
+        if given.ndim != 2 or given.shape[0] != 2:
+            raise CommandError(
+                f"velocities have shape {given.shape}, expected (2, {np.size(ids)}): a row of "
+                "forward speeds in m/s, a row of turn rates in rad/s"
+            )
+        require_finite(given)
+        try:
+            self._arena.commands[:, ids] = given
+        except IndexError as error:
+            raise CommandError(
+                f"ids are {ids!r}, but there are robots 0 to {self.number_of_robots - 1}"
+            ) from error
+        except ValueError as error:
+            raise CommandError(
+                f"velocities have shape {given.shape} for {np.size(ids)} robots, expected "
+                f"(2, {np.size(ids)})"
+            ) from error
+
+    @abstractmethod
+    def get_poses(self) -> Array:
+        """Poses (3, N) as tracked."""
+
+    @abstractmethod
+    def initialize(self, initial_conditions: Array) -> None:
+        """Bring the robots to `initial_conditions` (3, N)."""
+
+    @abstractmethod
+    def step(self) -> None:
+        """Drive for one time step."""
+
+    @abstractmethod
+    def debug(self) -> None:
+        """Print what the testbed would say about this run."""
+
+    def _uni_to_diff(self, dxu: Array) -> Array:
+        return self._obey_constants().wheels(dxu)
+
+    def _diff_to_uni(self, dxdd: Array) -> Array:
+        return self._obey_constants().unicycle(dxdd)
+
+    def _threshold(self, dxu: Array) -> Array:
+        return self._obey_constants().saturate(dxu)
+
+    def _validate(self, errors: dict[str, int]) -> dict[str, int]:
+        self._obey_constants().check()
+        return {**errors, **self._errors}

@@ -1,0 +1,1 @@
+"""The utilities of generation 2, by their published names."""
