@@ -12,7 +12,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: demo test test-slow lint lock clean help
+.PHONY: demo test test-slow lint bench bench-nine lock clean help
 .DEFAULT_GOAL := help
 
 help:  ## this list
@@ -44,6 +44,11 @@ lint: $(VENV)/.dev  ## ruff, mypy --strict, import rules
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+bench: bench-nine  ## every benchmark
+
+bench-nine: $(VENV)/.dev  ## the nine-robot experiment against its acceptance table
+	$(BIN)/python benchmarks/nine_robots.py
 
 lock:  ## renew constraints.txt from the ranges in setup.cfg (needs uv)
 	uv pip compile --universal --python-version 3.10 --extra dev --no-annotate --no-header -q setup.cfg -o constraints.txt

@@ -31,9 +31,9 @@ from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 import numpy as np
-from barrier_certificates.unicycle import UnicycleCertificate
 from numpy.typing import ArrayLike, NDArray
 
+from barrier_certificates.unicycle import UnicycleCertificate
 from posflock_robotarium.errors import ParameterError
 from posflock_robotarium.law import (
     PAPER_EXPERIMENT,
