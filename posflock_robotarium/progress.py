@@ -33,9 +33,11 @@ def steps_of(count: int, time_step: float, title: str) -> Iterator[int]:
                 range(count), description=title, console=Console(stderr=True), transient=True
             )
             return
-    every = max(1, count // 10)
+    told = 0
     for step in range(count):
         yield step
-        if (step + 1) % every == 0 or step + 1 == count:
+        tenths = 10 * (step + 1) // count
+        if tenths > told:
+            told = tenths
             done, whole = (step + 1) * time_step, count * time_step
             print(f"{title}: {done:.0f} of {whole:.0f} s", file=sys.stderr, flush=True)

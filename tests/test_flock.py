@@ -1,0 +1,121 @@
+"""The flock on wheels keeps its promises in the arena, and refuses what means nothing."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from posflock_robotarium.errors import ParameterError
+from posflock_robotarium.flock import Flock, SteeringParameters, WheelParameters
+from posflock_robotarium.placement import random_poses
+from posflock_robotarium.summary import summarise
+from posflock_robotarium.trial import simulate
+
+
+def start_of(seed):
+    return random_poses(9, np.random.default_rng(seed))
+
+
+@pytest.mark.parametrize("seed", [0, 7, 13])
+def test_the_acceptance_table_holds(seed):
+    summary = summarise(simulate(Flock(), start_of(seed), 120.0).log)
+    assert summary.gamma_headings >= 0.95
+    assert summary.gamma_motion >= 0.85
+    assert summary.mean_speed >= 0.030
+    assert summary.smallest_distance >= 0.20
+    assert summary.smallest_wall_distance >= 0.12
+    assert summary.fastest_wheel <= 12.5
+    assert summary.collisions == summary.steps_outside == summary.steps_infeasible == 0
+
+
+def test_without_steering_the_flock_parks_and_headings_do_not_show_it():
+    summary = summarise(simulate(Flock(walls="certificate"), start_of(3), 120.0).log)
+    assert summary.gamma_headings > 0.95
+    assert summary.mean_speed < 0.02
+    assert summary.collisions == summary.steps_outside == 0
+
+
+def test_commands_keep_the_papers_limits():
+    log = simulate(Flock(), start_of(1), 20.0).log
+    assert np.abs(log.commands[:, 0]).max() <= 0.15 + 1e-9
+    assert np.abs(log.commands[:, 1]).max() <= 0.55 + 1e-7
+
+
+def test_the_same_seed_gives_the_same_bytes():
+    one, other = (simulate(Flock(), start_of(2), 10.0).log for _ in range(2))
+    assert one.poses.tobytes() == other.poses.tobytes()
+    assert one.commands.tobytes() == other.commands.tobytes()
+
+
+def test_a_reset_flock_begins_again():
+    flock, poses = Flock(), start_of(4)
+    first = flock.step(poses).command
+    flock.step(poses + 0.01)
+    flock.reset()
+    assert np.array_equal(flock.step(poses).command, first)
+
+
+def test_the_imprint_is_what_was_read_first():
+    """Robots that stand where they first stood feel cohesion-separation only."""
+    poses = np.array([[0.0, 0.4], [0.0, 0.0], [0.0, 0.0]])
+    command = Flock().step(poses).command
+    # δ·|N| = 0.12 m is less than 0.4 m: they are drawn together along x.
+    assert command[0, 0] > 0 > command[0, 1]
+    assert_allclose(command[1], 0.0, atol=1e-12)
+
+
+def test_steering_turns_the_common_velocity_only():
+    """Three metres of drift towards a wall end in a turn; relative motion stays the law's."""
+    steered = simulate(Flock(), start_of(3), 60.0).log
+    plain = simulate(Flock(walls="certificate"), start_of(3), 60.0).log
+    assert np.array_equal(steered.poses[:90], plain.poses[:90])  # before 3 s there is none
+    assert not np.array_equal(steered.poses[-1], plain.poses[-1])
+
+
+def test_parameters_tell_all_that_a_run_needs():
+    told = Flock(walls="steer").parameters()
+    assert told["law"]["distance_scale"] == 0.12
+    assert told["wheels"]["turn_rate_limit"] == 0.55
+    assert told["steering"]["turn_rate"] == 0.45
+    assert Flock(walls="certificate").parameters()["steering"] is None
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: Flock(walls="bounce"), "walls: expected one of steer, certificate"),
+        (lambda: Flock(time_step=0.0), "time_step: expected more than 0 s"),
+        (lambda: WheelParameters(speed_limit=-0.1), "speed_limit: expected finite and more"),
+        (lambda: WheelParameters(arena=(1.6, -1.6, -1.0, 1.0)), "arena: expected"),
+        (lambda: SteeringParameters(clear=1.0), "clear: expected a cosine"),
+        (lambda: SteeringParameters(reach=math.nan), "reach: expected finite"),
+        (lambda: Flock().steps_in(math.nan), "duration: expected at least one step"),
+        (lambda: Flock().steps_in(0.0), "duration: expected at least one step"),
+    ],
+)
+def test_parameters_that_mean_nothing_are_refused(make, words):
+    with pytest.raises(ParameterError, match=words):
+        make()
+
+
+@pytest.mark.parametrize(
+    ("poses", "words"),
+    [
+        (np.zeros((3, 1)), r"at least two robots .* got \(3, 1\)"),
+        (np.zeros((3, 0)), r"got \(3, 0\)"),
+        (np.zeros((2, 9)), r"got \(2, 9\)"),
+        ("poses", "expected a \\(3, N\\) array, got 'poses'"),
+        ([[0.0, 1.0], [0.0, math.nan], [0.0, 0.0]], "got y = nan of robot 1"),
+    ],
+)
+def test_poses_that_mean_nothing_are_refused_before_anything_moves(poses, words):
+    with pytest.raises(ParameterError, match=words):
+        Flock().step(poses)
+
+
+def test_the_number_of_robots_stays():
+    flock = Flock()
+    flock.step(start_of(0))
+    with pytest.raises(ParameterError, match="expected 9 robots as at the first step, got 4"):
+        flock.step(start_of(0)[:, :4])
