@@ -1,0 +1,52 @@
+"""Validation of parameters and arrays, in one place and with one way of saying what is wrong."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from barrier_certificates.errors import ParameterError, ShapeError
+from barrier_certificates.rows import FloatArray
+
+
+def positive(name: str, value: float, unit: str = "") -> None:
+    """Refuse a number that is not positive and finite."""
+    if not (isinstance(value, (int, float, np.number)) and math.isfinite(value) and value > 0):
+        raise ParameterError(f"{name} is {value!r}; expected a positive number {unit}".rstrip())
+
+
+def not_negative(name: str, value: float, unit: str = "") -> None:
+    """Refuse a number that is negative or not finite."""
+    if not (isinstance(value, (int, float, np.number)) and math.isfinite(value) and value >= 0):
+        raise ParameterError(
+            f"{name} is {value!r}; expected zero or a positive number {unit}".rstrip()
+        )
+
+
+def positive_or_none(name: str, value: float | None, unit: str = "") -> None:
+    """Refuse a limit that is neither None (no such limit) nor positive and finite."""
+    if value is not None:
+        positive(name, value, unit)
+
+
+def columns(name: str, array: Any, rows: int) -> FloatArray:
+    """Return the array as floats, refusing any shape but (rows, N) with N ≥ 1."""
+    try:
+        values = np.asarray(array, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ShapeError(f"{name} cannot be read as numbers: {error}") from None
+    if values.ndim != 2 or values.shape[0] != rows or values.shape[1] == 0:
+        raise ShapeError(
+            f"{name} have shape {values.shape}; expected ({rows}, N), a column a robot"
+        )
+    return values
+
+
+def same_number(first: FloatArray, second: FloatArray) -> None:
+    """Refuse commands for a different number of robots than there are poses."""
+    if first.shape[1] != second.shape[1]:
+        raise ShapeError(
+            f"commands are for {first.shape[1]} robots, but there are poses of {second.shape[1]}"
+        )

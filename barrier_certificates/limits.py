@@ -1,0 +1,137 @@
+"""What robots can do, as convex polygons of velocities around zero.
+
+A limit that is a polygon is a handful of linear rows for each robot, so it can stand in the same
+quadratic program as the safety rows. That is where limits belong: clipping a certified velocity
+afterwards changes its direction against the other robots' and voids the certificate.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from barrier_certificates.errors import ParameterError
+from barrier_certificates.rows import FloatArray, LimitRows
+
+
+@dataclass(frozen=True)
+class VelocityPolygon:
+    """Velocities v with n·v ≤ b for every side: unit normals (2, K), bounds (K,) in m/s, names (K).
+
+    Raises
+    ------
+    ParameterError
+        If a bound is not positive (zero velocity must be allowed, or robots could not stop).
+    """
+
+    normals: FloatArray
+    bounds: FloatArray
+    names: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        bounds = np.asarray(self.bounds, dtype=float)
+        lengths = np.hypot(*np.asarray(self.normals, dtype=float))
+        if not (np.all(np.isfinite(bounds)) and np.all(bounds > 0.0) and np.all(lengths > 0.0)):
+            raise ParameterError(f"limits are {bounds} m/s; expected positive finite numbers")
+        object.__setattr__(self, "normals", np.asarray(self.normals, dtype=float) / lengths)
+        object.__setattr__(self, "bounds", bounds / lengths)
+
+    @classmethod
+    def octagon(cls, limit: float) -> VelocityPolygon:
+        """Return the octagon with its vertices on the circle of radius ``limit`` m/s."""
+        angles = np.arange(8) * np.pi / 4.0
+        normals = np.stack([np.cos(angles), np.sin(angles)])
+        return cls(normals, np.full(8, limit * np.cos(np.pi / 8.0)), ("speed limit",) * 8)
+
+    @classmethod
+    def box(cls, limit: float) -> VelocityPolygon:
+        """Return the box |v_x|, |v_y| ≤ ``limit`` m/s."""
+        normals = np.array([[1.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, -1.0]])
+        return cls(normals, np.full(4, limit), ("speed limit",) * 4)
+
+    def top_speed(self) -> float:
+        """Largest speed the polygon allows, m/s; infinite if it is open."""
+        vertices = self._vertices()
+        return float(np.hypot(*vertices).max()) if self._closed() else np.inf
+
+    def without_idle_sides(self) -> VelocityPolygon:
+        """Leave out the sides that the others imply, and repeated ones."""
+        if not self._closed():
+            return self
+        vertices = self._vertices()
+        touch = np.abs(self.normals.T @ vertices - self.bounds[:, None]) < 1e-12
+        # A side belongs to the polygon when two different vertices lie on it.
+        kept: list[int] = []
+        for side in range(len(self.names)):
+            ends = vertices[:, touch[side]]
+            spread = np.ptp(ends, axis=1).max() if ends.shape[1] else 0.0
+            repeated = any(
+                np.allclose(self.normals[:, side], self.normals[:, other], atol=1e-12)
+                for other in kept
+            )
+            if spread > 1e-12 and not repeated:
+                kept.append(side)
+        names = tuple(self.names[side] for side in kept)
+        return VelocityPolygon(self.normals[:, kept], self.bounds[kept], names)
+
+    def rows(self, turning: bool = False) -> LimitRows:
+        """Return the rows of the polygon, fixed in the plane or turning with the headings."""
+        return LimitRows(self.normals, self.bounds, self.names, turning)
+
+    def _closed(self) -> bool:
+        """Whether the normals leave no half-plane uncovered."""
+        angles = np.sort(np.arctan2(self.normals[1], self.normals[0]))
+        gaps = np.diff(np.append(angles, angles[0] + 2.0 * np.pi))
+        return bool(gaps.max() < np.pi - 1e-9)
+
+    def _vertices(self) -> FloatArray:
+        """Corners of the polygon, shape (2, M), corners of three sides repeated."""
+        first, second = np.triu_indices(len(self.names), 1)
+        a, b = self.normals[:, first], self.normals[:, second]
+        determinant = a[0] * b[1] - a[1] * b[0]
+        crossing = np.abs(determinant) > 1e-12
+        a, b, determinant = a[:, crossing], b[:, crossing], determinant[crossing]
+        p, q = self.bounds[first[crossing]], self.bounds[second[crossing]]
+        points = np.stack([p * b[1] - q * a[1], q * a[0] - p * b[0]]) / determinant
+        inside = np.all(self.normals.T @ points <= self.bounds[:, None] + 1e-12, axis=0)
+        return np.asarray(points[:, inside])
+
+
+def unicycle_polygon(
+    projection_distance: float,
+    speed_limit: float | None,
+    turn_rate_limit: float | None,
+    wheel_limit: float | None,
+    wheel_radius: float,
+    base_length: float,
+) -> VelocityPolygon | None:
+    """Limits of a differential-drive robot, on the velocity of its projection point.
+
+    In the body frame the projection point at distance d ahead moves with (v, d·ω), so the limits
+    |v| ≤ v_max, |ω| ≤ ω_max and |v ± ω L/2| ≤ R·wheel_max are sides of a polygon.
+
+    Returns
+    -------
+    VelocityPolygon or None
+        In the body frame (x ahead, y to the left), implied sides left out; None without any limit.
+    """
+    normals: list[tuple[float, float]] = []
+    bounds: list[float] = []
+    names: list[str] = []
+    if speed_limit is not None:
+        normals += [(1.0, 0.0), (-1.0, 0.0)]
+        bounds += [speed_limit] * 2
+        names += ["speed limit"] * 2
+    if turn_rate_limit is not None:
+        normals += [(0.0, 1.0), (0.0, -1.0)]
+        bounds += [turn_rate_limit * projection_distance] * 2
+        names += ["turn rate limit"] * 2
+    if wheel_limit is not None:
+        half_turn = base_length / (2.0 * projection_distance)
+        normals += [(1.0, half_turn), (-1.0, -half_turn), (1.0, -half_turn), (-1.0, half_turn)]
+        bounds += [wheel_limit * wheel_radius] * 4
+        names += ["right wheel limit"] * 2 + ["left wheel limit"] * 2
+    if not normals:
+        return None
+    return VelocityPolygon(np.array(normals).T, np.array(bounds), tuple(names)).without_idle_sides()

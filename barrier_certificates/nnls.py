@@ -1,0 +1,53 @@
+"""Least-distance programming by non-negative least squares: the solver that scipy alone provides.
+
+The point nearest to ``x̂`` with ``G x ≤ h`` follows from one non-negative least-squares problem
+(Lawson and Hanson, Solving Least Squares Problems, 1974, chapter 23): with ``z = x − x̂`` and ``r =
+G x̂ − h``, minimise ``‖E u − f‖`` over ``u ≥ 0`` where ``E = [−Gᵀ; rᵀ]`` and ``f`` is the last unit
+vector. The residual ``E u − f = (p, q)`` gives ``z = −p/q``; if it vanishes, no point satisfies the
+rows. It is finite and exact to rounding, and asks for nothing beyond scipy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.optimize import nnls
+
+from barrier_certificates.rows import FloatArray, IntArray, Rows
+
+_NO_RESIDUAL = 1e-9
+
+
+def solve(
+    rows: Rows, which: IntArray, target: FloatArray, options: Mapping[str, float]
+) -> FloatArray | None:
+    """Nearest point to ``target`` that satisfies the chosen rows, or None if there is none.
+
+    Parameters
+    ----------
+    rows : Rows
+        All rows.
+    which : integer array
+        The rows to satisfy.
+    target : (size,) array
+        The point to be projected, m/s.
+    options : mapping
+        ``maxiter``: as in `scipy.optimize.nnls`.
+    """
+    matrix = rows.dense(which)
+    system = np.empty((rows.size + 1, which.shape[0]))
+    np.negative(matrix.T, out=system[:-1])
+    system[-1] = matrix @ target - rows.bound[which]
+    aim = np.zeros(rows.size + 1)
+    aim[-1] = 1.0
+    maxiter = options.get("maxiter")
+    try:
+        weights, _ = nnls(system, aim, maxiter=None if maxiter is None else int(maxiter))
+    except RuntimeError:  # out of iterations
+        return None
+    residual = system @ weights - aim
+    if -residual[-1] < _NO_RESIDUAL**2 or np.linalg.norm(residual) < _NO_RESIDUAL:
+        return None
+    point: FloatArray = target - residual[:-1] / residual[-1]
+    return point

@@ -1,0 +1,305 @@
+"""The safe velocity nearest to the desired one, exactly, and what to do when there is none.
+
+`Projector` solves ``min ‖v − v̂‖²`` over the rows of `barrier_certificates.rows` with a *lazy
+working set*: solve with the rows that ``v̂`` breaks and those that bound last time, add what the
+solution breaks, repeat until nothing is broken. The optimum of a subset of rows that satisfies all
+rows is the optimum, so leaving rows out costs nothing in exactness, and most steps need a handful
+of several hundred rows, or none.
+
+Each round first guesses the binding rows (`barrier_certificates.active_set`, a proof comes with the
+answer) and asks the chosen solver only where that does not settle. Whoever answered, every row is
+checked before an answer is returned.
+
+Some states have no safe velocity: robots that already overlap, or stand far outside a wall. What
+happens then is a *policy*:
+
+``"relax"``
+    What the motors can do stays a hard limit; pairs, obstacles and walls are satisfied as well as
+    possible (a quadratic price on each row's excess), so robots part and come back inside.
+``"stop"``
+    All robots stop.
+``"raise"``
+    `InfeasibleError`, naming the rows that are furthest from holding.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal, get_args
+
+import numpy as np
+
+from barrier_certificates import solvers
+from barrier_certificates.active_set import guess
+from barrier_certificates.errors import InfeasibleError, NotFiniteError, ParameterError, ShapeError
+from barrier_certificates.rows import FloatArray, IntArray, Rows
+
+Policy = Literal["relax", "stop", "raise"]
+Status = Literal["trivial", "optimal", "relaxed", "failed"]
+
+TOLERANCE = 1e-9
+"""A row holds when it is broken by no more than this, m/s."""
+
+_NO_ROWS: IntArray = np.zeros(0, dtype=np.intp)
+_GUESSES = 8
+_ROUNDS = 50
+
+
+@dataclass(slots=True)
+class ProjectionInfo:
+    """What a projection did.
+
+    Attributes
+    ----------
+    status : str
+        ``"trivial"``: the command was safe and is returned as it was. ``"optimal"``: the nearest
+        safe velocity. ``"relaxed"``: no safe velocity exists, this one breaks the rows least.
+        ``"failed"``: the robots were stopped (policy ``"stop"``, or NaN in poses or command).
+    violation : float
+        Largest excess over all rows at the velocity returned, m/s; zero if all hold.
+    iterations : int
+        Small problems solved.
+    solver : str
+        Who gave the answer; empty for a trivial one.
+    moved : float
+        How far the command was moved, the largest over the robots, m/s.
+    smallest_h : float
+        Smallest barrier at the present positions: ‖D‖² − r² in m² for pairs and obstacles, the
+        distance less the margin in m for walls. Negative exactly when something is unsafe.
+    clearance : float
+        The same in metres throughout: distance less radius, distance to the wall less margin.
+    binding : integer array
+        Indices of the rows that bind.
+    """
+
+    status: Status
+    violation: float = 0.0
+    iterations: int = 0
+    solver: str = ""
+    moved: float = 0.0
+    smallest_h: float = math.inf
+    clearance: float = math.inf
+    binding: IntArray = field(default_factory=lambda: _NO_ROWS, repr=False)
+    rows: Rows | None = field(default=None, repr=False)
+
+    @property
+    def active(self) -> tuple[str, ...]:
+        """What the binding rows stand for: ``"robots 3 and 7"``, ``"robot 0 and wall +x"``."""
+        if self.rows is None:
+            return ()
+        return tuple(self.rows.label(int(row)) for row in self.binding)
+
+
+class Projector:
+    """Projects one command after another, starting each from the rows that bound last time.
+
+    Parameters
+    ----------
+    solver : str
+        ``"auto"`` guesses the binding rows first and picks the exact solver by size and by what is
+        installed. A name out of `barrier_certificates.solvers.NAMES` uses that solver alone.
+    on_infeasible : {"relax", "stop", "raise"}
+        What to do when no velocity satisfies all rows.
+    options : mapping, optional
+        Options for the solver, passed with each call and never set globally.
+    """
+
+    def __init__(
+        self,
+        solver: str = "auto",
+        on_infeasible: Policy = "relax",
+        options: Mapping[str, float] | None = None,
+    ) -> None:
+        if on_infeasible not in get_args(Policy):
+            raise ParameterError(
+                f"on_infeasible is {on_infeasible!r}; expected one of {', '.join(get_args(Policy))}"
+            )
+        solvers.check(solver)
+        self.solver = solver
+        self.on_infeasible = on_infeasible
+        self.options: Mapping[str, float] = dict(options or {})
+        self._warm: IntArray = _NO_ROWS
+        self._warm_for = (0, 0)
+
+    def reset(self) -> None:
+        """Forget which rows bound last time."""
+        self._warm = _NO_ROWS
+
+    def project(
+        self, desired: FloatArray, rows: Rows, top_speed: float = math.inf
+    ) -> tuple[FloatArray, ProjectionInfo]:
+        """Return the nearest velocities (2, N) in m/s that satisfy all rows, and what was done.
+
+        Parameters
+        ----------
+        desired : (2, N) array
+            The commands, m/s; left as they are.
+        rows : Rows
+            What must hold.
+        top_speed : float
+            No robot can be faster, m/s: when rows must be relaxed, none is asked for more.
+
+        Raises
+        ------
+        InfeasibleError
+            If no velocity satisfies all rows and the policy is ``"raise"``.
+        NotFiniteError
+            If the command or the rows hold NaN or infinity and the policy is ``"raise"``.
+        """
+        if desired.shape != (2, rows.size // 2):
+            raise ShapeError(
+                f"commands have shape {desired.shape}, but the rows are for (2, {rows.size // 2})"
+            )
+        target = desired.T.reshape(-1)
+        excess = rows.excess(target)
+        worst = float(excess.max()) if excess.shape[0] else 0.0
+        if worst <= TOLERANCE:
+            if not math.isfinite(float(np.add.reduce(target))):
+                return self._not_finite(desired)
+            self._warm = _NO_ROWS
+            return desired.copy(), ProjectionInfo("trivial", max(worst, 0.0), rows=rows)
+        if not (math.isfinite(float(np.add.reduce(target))) and math.isfinite(float(excess.sum()))):
+            return self._not_finite(desired)
+        point, info = self._nearest(target, rows, excess)
+        if point is None:
+            point, info = self._without_solution(target, rows, excess, top_speed, info)
+        velocity = np.ascontiguousarray(point.reshape(-1, 2).T)
+        shift = velocity - desired
+        info.moved = math.sqrt(float((shift * shift).sum(axis=0).max()))
+        return velocity, info
+
+    def _nearest(
+        self, target: FloatArray, rows: Rows, excess: FloatArray
+    ) -> tuple[FloatArray | None, ProjectionInfo]:
+        """Return the optimum, or None where no point satisfies all rows."""
+        warm = self._recall(rows)
+        info = ProjectionInfo("optimal", rows=rows)
+        working = None
+        if self.solver == "auto":
+            point, _, binding, info.iterations = guess(
+                rows, target, excess, warm, TOLERANCE, _GUESSES
+            )
+            if point is not None:
+                return self._accept(point, rows, binding, info, "active set")
+        name = solvers.choose(self.solver, rows.size)
+        solve = solvers.load(name)
+        working = excess > TOLERANCE
+        working[warm] = True
+        for _ in range(_ROUNDS):
+            which = np.flatnonzero(working)
+            point = solve(rows, which, target, self.options)
+            info.iterations += 1
+            if point is None:
+                return None, info
+            broken = rows.excess(point) > TOLERANCE
+            if not (broken & ~working).any():
+                break
+            working |= broken
+        assert point is not None
+        at_bound = which[rows.excess(point)[which] > -1e-7]
+        return self._accept(point, rows, at_bound, info, name)
+
+    def _recall(self, rows: Rows) -> IntArray:
+        """Find last time's binding rows among the present ones."""
+        if not self._warm.shape[0] or self._warm_for != _team(rows):
+            return _NO_ROWS
+        if rows.key is None:
+            return self._warm
+        return np.flatnonzero(np.isin(rows.key, self._warm))
+
+    def _accept(
+        self, point: FloatArray, rows: Rows, binding: IntArray, info: ProjectionInfo, solver: str
+    ) -> tuple[FloatArray | None, ProjectionInfo]:
+        """Check every row once more, and remember the binding ones."""
+        info.violation = max(float(rows.excess(point).max()), 0.0)
+        info.solver = solver
+        if not info.violation <= TOLERANCE:
+            return None, info
+        info.binding = binding
+        self._warm = binding if rows.key is None else rows.key[binding]
+        self._warm_for = _team(rows)
+        return point, info
+
+    def _without_solution(
+        self,
+        target: FloatArray,
+        rows: Rows,
+        excess: FloatArray,
+        top_speed: float,
+        info: ProjectionInfo,
+    ) -> tuple[FloatArray, ProjectionInfo]:
+        """Do what the policy says where no velocity satisfies all rows."""
+        self._warm = _NO_ROWS
+        if self.on_infeasible == "raise":
+            furthest = np.argsort(excess)[-3:][::-1]
+            named = "; ".join(f"{rows.label(int(k))} ({excess[k]:.3g} m/s)" for k in furthest)
+            raise InfeasibleError(
+                f"no velocity satisfies all {len(rows)} rows; the command breaks most: {named}. "
+                "Part the robots, bring them inside the walls, or use on_infeasible='relax'"
+            )
+        if self.on_infeasible == "relax":
+            point = self._relaxed(target, rows, top_speed, info)
+            if point is not None:
+                info.status = "relaxed"
+                return point, info
+        point = np.zeros_like(target)
+        info.status = "failed"
+        info.violation = max(float(rows.excess(point).max()), 0.0)
+        return point, info
+
+    def _relaxed(
+        self, target: FloatArray, rows: Rows, top_speed: float, info: ProjectionInfo
+    ) -> FloatArray | None:
+        """Return the velocity that breaks the rows least, hard limits kept."""
+        softened = rows.softened()
+        # A pair cannot part faster than this: asking for more only spoils the conditioning.
+        softened.bound = np.maximum(rows.bound, -math.sqrt(2.0) * top_speed)
+        start = np.zeros(softened.size)
+        start[: rows.size] = target
+        hard = np.isinf(rows.weight)
+        name = "nnls" if self.solver == "auto" else self.solver
+        solve = solvers.load(name)
+        working = softened.excess(start) > TOLERANCE
+        for _ in range(_ROUNDS):
+            point = solve(softened, np.flatnonzero(working), start, self.options)
+            info.iterations += 1
+            if point is None:
+                return None
+            broken = softened.excess(point) > TOLERANCE
+            if not (broken & ~working).any():
+                break
+            working |= broken
+        assert point is not None
+        velocity = point[: rows.size]
+        excess = rows.excess(velocity)
+        if hard.any() and not float(excess[hard].max()) <= TOLERANCE:
+            return None
+        info.solver = name
+        info.violation = max(float(excess.max()), 0.0)
+        info.binding = np.flatnonzero(working & (softened.excess(point) > -1e-7))
+        return velocity
+
+    def _not_finite(self, desired: FloatArray) -> tuple[FloatArray, ProjectionInfo]:
+        """Stop everybody: a command or pose that is not a number says nothing about safety."""
+        self._warm = _NO_ROWS
+        if self.on_infeasible == "raise":
+            raise NotFiniteError("poses or commands hold NaN or infinity; expected finite numbers")
+        return np.zeros_like(desired), ProjectionInfo("failed", math.nan, moved=math.nan)
+
+
+def _team(rows: Rows) -> tuple[int, int]:
+    """Tell apart row sets in which the same row means different things."""
+    return rows.size, len(rows) if rows.key is None else -1
+
+
+def project(
+    desired: FloatArray,
+    rows: Rows,
+    solver: str = "auto",
+    on_infeasible: Policy = "relax",
+    options: Mapping[str, float] | None = None,
+) -> tuple[FloatArray, ProjectionInfo]:
+    """Project one command on the rows: `Projector` without memory, see there."""
+    return Projector(solver, on_infeasible, options).project(np.asarray(desired, float), rows)

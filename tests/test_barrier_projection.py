@@ -1,0 +1,115 @@
+"""The projection is the exact optimum, whoever solves it, and it leaves its inputs alone."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import minimize
+
+from barrier_certificates.errors import InfeasibleError, NotFiniteError, ParameterError, ShapeError
+from barrier_certificates.single_integrator import SingleIntegratorCertificate
+from barrier_certificates.unicycle import UnicycleCertificate
+
+ARENA = (-1.6, 1.6, -1.0, 1.0)
+
+
+def test_safe_command_is_returned_as_it_is():
+    certificate = SingleIntegratorCertificate(boundary=ARENA)
+    command = np.array([[0.1, -0.1], [0.0, 0.05]])
+    velocity, info = certificate(command, [[-1.0, 1.0], [0.0, 0.0]])
+    assert info.status == "trivial"
+    assert info.active == ()
+    assert velocity is not command
+    np.testing.assert_array_equal(velocity, command)
+
+
+def test_rows_say_what_they_stand_for():
+    certificate = SingleIntegratorCertificate(boundary=ARENA)
+    positions = [[-0.08, 0.08, 1.5], [0.0, 0.0, 0.0]]
+    _, info = certificate([[0.15, -0.15, 0.15], [0.0, 0.0, 0.0]], positions)
+    assert set(info.active) == {"robots 0 and 1", "robot 2 and wall +x"}
+    assert info.smallest_h == pytest.approx(0.16**2 - 0.15**2)
+    assert info.clearance == pytest.approx(0.01)
+
+
+def test_inputs_are_left_alone():
+    poses = np.array([[-0.2, 0.2], [0.0, 0.0], [0.0, np.pi]])
+    command = np.array([[0.2, 0.2], [0.0, 1.0]])
+    before = poses.copy(), command.copy()
+    UnicycleCertificate()(command, poses)
+    np.testing.assert_array_equal(poses, before[0])
+    np.testing.assert_array_equal(command, before[1])
+
+
+def test_wrong_shapes_and_parameters_are_refused():
+    with pytest.raises(ShapeError, match=r"expected \(3, N\)"):
+        UnicycleCertificate()(np.zeros((2, 3)), np.zeros((2, 3)))
+    with pytest.raises(ShapeError, match="3 robots"):
+        UnicycleCertificate()(np.zeros((2, 3)), np.zeros((3, 2)))
+    with pytest.raises(ParameterError, match="safety_radius"):
+        UnicycleCertificate(safety_radius=-1.0)
+    with pytest.raises(ParameterError, match="expected 'auto'"):
+        SingleIntegratorCertificate(solver="simplex")
+
+
+def test_policies_where_nothing_is_safe():
+    positions = np.array([[1.65, 1.62], [0.0, 0.001]])
+    command = np.zeros((2, 2))
+    with pytest.raises(InfeasibleError, match="robots 0 and 1"):
+        SingleIntegratorCertificate(boundary=ARENA, barrier_gain=1e4, on_infeasible="raise")(
+            command, positions
+        )
+    velocity, info = SingleIntegratorCertificate(
+        boundary=ARENA, barrier_gain=1e4, on_infeasible="stop"
+    )(command, positions)
+    assert info.status == "failed"
+    assert not velocity.any()
+    certificate = SingleIntegratorCertificate(boundary=ARENA, barrier_gain=1e4)
+    velocity, info = certificate(command, positions)
+    assert info.status == "relaxed"
+    assert info.violation > 0
+    assert np.hypot(*velocity).max() <= 0.2 + 1e-9
+    assert velocity[0, 1] < velocity[0, 0]  # they part
+    for _ in range(300):
+        velocity, info = certificate(command, positions)
+        positions = positions + 0.033 * velocity
+    assert info.status != "relaxed"
+    assert info.clearance > -0.01  # apart and inside, as far as a cubic barrier goes in 10 s
+
+
+def test_not_a_number_stops_the_team():
+    command = np.array([[0.1, np.nan], [0.0, 0.0]])
+    positions = np.array([[-1.0, 1.0], [0.0, 0.0]])
+    velocity, info = SingleIntegratorCertificate()(command, positions)
+    assert info.status == "failed"
+    assert not velocity.any()
+    with pytest.raises(NotFiniteError):
+        SingleIntegratorCertificate(on_infeasible="raise")(command, positions)
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(0, 10**6), st.integers(2, 6))
+def test_no_other_point_found_by_a_general_optimiser_is_nearer(seed, number):
+    """The optimum beats what a general-purpose optimiser finds from the same rows."""
+    random = np.random.default_rng(seed)
+    positions = random.uniform(-0.35, 0.35, (2, number))
+    command = random.uniform(-0.2, 0.2, (2, number))
+    certificate = SingleIntegratorCertificate(safety_radius=0.12, on_infeasible="relax")
+    velocity, info = certificate(command, positions)
+    if info.status == "relaxed":
+        return
+    rows = info.rows
+    every = rows.dense(np.arange(len(rows)))
+    found = minimize(
+        lambda x: ((x - command.T.ravel()) ** 2).sum(),
+        np.zeros(2 * number),
+        jac=lambda x: 2 * (x - command.T.ravel()),
+        constraints={
+            "type": "ineq",
+            "fun": lambda x: rows.bound - every @ x,
+            "jac": lambda x: -every,
+        },
+        options={"ftol": 1e-14, "maxiter": 300},
+    )
+    if found.success and np.all(every @ found.x - rows.bound <= 1e-9):
+        assert ((velocity - command) ** 2).sum() <= found.fun + 1e-10
