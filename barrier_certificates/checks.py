@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from barrier_certificates.errors import ParameterError, ShapeError
+from barrier_certificates.certificate_errors import ParameterError, ShapeError
 from barrier_certificates.rows import FloatArray
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from barrier_certificates.errors import ParameterError
+from barrier_certificates.certificate_errors import ParameterError
 from barrier_certificates.rows import FloatArray, LimitRows
 
 

@@ -33,7 +33,12 @@ import numpy as np
 
 from barrier_certificates import solvers
 from barrier_certificates.active_set import guess
-from barrier_certificates.errors import InfeasibleError, NotFiniteError, ParameterError, ShapeError
+from barrier_certificates.certificate_errors import (
+    InfeasibleError,
+    NotFiniteError,
+    ParameterError,
+    ShapeError,
+)
 from barrier_certificates.rows import FloatArray, IntArray, Rows
 
 Policy = Literal["relax", "stop", "raise"]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from barrier_certificates import checks
-from barrier_certificates.errors import ParameterError
+from barrier_certificates.certificate_errors import ParameterError
 from barrier_certificates.limits import VelocityPolygon
 from barrier_certificates.projection import Policy, ProjectionInfo, Projector
 from barrier_certificates.rows import (

@@ -12,7 +12,7 @@ from importlib import import_module
 from importlib.util import find_spec
 from typing import NamedTuple
 
-from barrier_certificates.errors import ParameterError, SolverNotInstalledError
+from barrier_certificates.certificate_errors import ParameterError, SolverNotInstalledError
 from barrier_certificates.rows import FloatArray, IntArray, Rows
 
 Solve = Callable[[Rows, IntArray, FloatArray, Mapping[str, float]], "FloatArray | None"]

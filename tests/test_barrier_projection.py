@@ -6,7 +6,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 
-from barrier_certificates.errors import InfeasibleError, NotFiniteError, ParameterError, ShapeError
+from barrier_certificates.certificate_errors import (
+    InfeasibleError,
+    NotFiniteError,
+    ParameterError,
+    ShapeError,
+)
 from barrier_certificates.single_integrator import SingleIntegratorCertificate
 from barrier_certificates.unicycle import UnicycleCertificate
 
