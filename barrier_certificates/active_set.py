@@ -55,6 +55,8 @@ def guess(
     binding = warm if warm.shape[0] else _worst_of_each_robot(rows, excess, tolerance)
     multiplier = excess[:0]
     for count in range(1, tries + 1):
+        if not binding.shape[0]:  # all of last time's rows pull, and hide no broken one
+            binding = _worst_of_each_robot(rows, excess, tolerance)
         if binding.shape[0] > rows.size:
             return None, multiplier, binding, count
         solved = _solve(rows, target, excess, binding)
