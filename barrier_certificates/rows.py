@@ -26,6 +26,7 @@ rows in place, and `RowBook` keeps the arrays between steps, so that a step allo
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from itertools import combinations
 from typing import NamedTuple, Protocol
@@ -115,7 +116,7 @@ class Rows:
         padded = np.empty(self.size + 1)
         padded[:-1] = x
         padded[-1] = 0.0
-        product = padded[self.index]
+        product = padded.take(self.index)
         product *= self.coefficient
         total: FloatArray = np.add.reduce(product, axis=0)
         total -= self.bound
@@ -123,10 +124,13 @@ class Rows:
 
     def dense(self, which: IntArray) -> FloatArray:
         """Return the chosen rows as a matrix, shape (len(which), size)."""
-        matrix = np.zeros((which.shape[0], self.size + 1))
+        width = self.size + 1
+        flat = np.zeros(which.shape[0] * width)
         # Only the world can occur twice in a row, and its column is cut off.
-        matrix[np.arange(which.shape[0]), self.index[:, which]] = self.coefficient[:, which]
-        return matrix[:, : self.size]
+        place = self.index.take(which, axis=1)
+        place += np.arange(0, flat.shape[0], width)
+        flat[place] = self.coefficient.take(which, axis=1)
+        return flat.reshape(-1, width)[:, : self.size]
 
     def sparse(self, which: IntArray) -> sparse.csr_matrix:
         """Return the chosen rows as a sparse matrix, shape (len(which), size)."""
@@ -209,27 +213,30 @@ class PairRows:
         self, positions: FloatArray, pairs: IntArray, coefficient: FloatArray, bound: FloatArray
     ) -> Barrier:
         """Write the rows of the given pairs (2, m)."""
-        ends = positions[:, pairs]
-        offset = ends[:, 0] - ends[:, 1]
-        square = offset[0] * offset[0] + offset[1] * offset[1]
-        nearest = float(square.min()) if square.shape[0] else np.inf
+        offset = positions.take(pairs[0], axis=1)
+        offset -= positions.take(pairs[1], axis=1)
+        square = offset[0] * offset[0]
+        square += offset[1] * offset[1]
+        # argmin costs a tenth of min on small arrays.
+        nearest = float(square[square.argmin()]) if square.shape[0] else np.inf
         if nearest < _COINCIDENT**2:
             square = _part_coincident(offset, square, pairs)
         h = square - self.radius**2
         smallest = nearest - self.radius**2
         # Two unit vectors make a row of norm √2, hence √2 on both sides.
-        distance = np.sqrt(square)
-        distance *= _SQRT2
-        offset /= distance
-        np.negative(offset, out=coefficient[:2])
+        scale = np.sqrt(square)
+        np.divide(1.0 / _SQRT2, scale, out=scale)
+        offset *= scale
         coefficient[2:] = offset
+        np.negative(offset, out=offset)
+        coefficient[:2] = offset
+        scale *= 0.5 * self.gain
         np.multiply(h, h, out=bound)
-        np.multiply(bound, h, out=bound)
-        bound *= 0.5 * self.gain
-        bound /= distance
+        bound *= h
+        bound *= scale
         if smallest < 0.0 and self.unsafe_gain != self.gain:
             bound[h < 0.0] *= self.unsafe_gain / self.gain
-        return Barrier(smallest, float(np.sqrt(nearest)) - self.radius)
+        return Barrier(smallest, math.sqrt(nearest) - self.radius)
 
     def reach(self, speed: float) -> float:
         """Distance (m) beyond which no two robots of at most ``speed`` m/s can break their row."""
@@ -307,12 +314,13 @@ class WallRows:
 
     def update(self, scene: Scene, coefficient: FloatArray, bound: FloatArray) -> Barrier:
         """Write the bounds for the present positions."""
-        gap = self._inner - self._outward @ scene.positions
+        gap = self._outward @ scene.positions
+        np.subtract(self._inner, gap, out=gap)
         gap = gap.reshape(-1)
         np.multiply(gap, gap, out=bound)
         bound *= gap
         bound *= 0.4 * self.gain
-        smallest = float(gap.min())
+        smallest = float(gap[gap.argmin()])
         return Barrier(smallest, smallest)
 
     def label(self, number: int, row: int) -> str:
@@ -357,6 +365,9 @@ class LimitRows:
         self.bounds = bounds
         self.names = tuple(names)
         self.turning = turning
+        along, across = normals
+        # (cos, sin) of the heading times these are the turned normals' x and y.
+        self._turned = np.stack([along, -across], axis=1), np.stack([across, along], axis=1)
 
     def partners(self, number: int) -> IntArray:
         """Which robots each row joins: side by side, every robot with the world."""
@@ -372,11 +383,9 @@ class LimitRows:
         if self.turning:
             if scene.headings is None:
                 raise TypeError("limits fixed to the body need the headings of the robots")
-            cos, sin = scene.headings
-            along, across = self.normals[:, :, None]
-            sides, number = len(self.names), cos.shape[0]
-            np.subtract(along * cos, across * sin, out=coefficient[0].reshape(sides, number))
-            np.add(along * sin, across * cos, out=coefficient[1].reshape(sides, number))
+            shape = (len(self.names), scene.headings.shape[1])
+            np.matmul(self._turned[0], scene.headings, out=coefficient[0].reshape(shape))
+            np.matmul(self._turned[1], scene.headings, out=coefficient[1].reshape(shape))
         return NOTHING_NEAR
 
     def label(self, number: int, row: int) -> str:

@@ -216,7 +216,10 @@ class UnicycleCertificate:
 
     @staticmethod
     def _headings(poses: FloatArray) -> FloatArray:
-        return np.stack([np.cos(poses[2]), np.sin(poses[2])])
+        headings = np.empty((2, poses.shape[1]))
+        np.cos(poses[2], out=headings[0])
+        np.sin(poses[2], out=headings[1])
+        return headings
 
     def _project(
         self, desired: FloatArray, poses: FloatArray, headings: FloatArray

@@ -118,3 +118,30 @@ def test_no_other_point_found_by_a_general_optimiser_is_nearer(seed, number):
     )
     if found.success and np.all(every @ found.x - rows.bound <= 1e-9):
         assert ((velocity - command) ** 2).sum() <= found.fun + 1e-10
+
+
+def test_rows_that_bound_last_time_may_all_be_idle_now():
+    """A remembered row that would pull, with another one broken, must not leave nothing to solve."""
+    certificate = SingleIntegratorCertificate()
+    fresh = SingleIntegratorCertificate()
+    positions = np.array([[-0.08, 0.08, 1.0], [0.0, 0.0, 0.0]])
+    certificate([[0.1, -0.1, 0.0], [0.0, 0.0, 0.0]], positions)
+    command = np.array([[-0.1, 0.1, 0.3], [0.0, 0.0, 0.0]])
+    velocity, info = certificate(command, positions)
+    assert info.status == "optimal"
+    np.testing.assert_allclose(velocity, fresh(command, positions)[0], atol=1e-12)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 10**6), st.integers(2, 12))
+def test_memory_never_changes_a_result(seed, number):
+    random = np.random.default_rng(seed)
+    remembering = SingleIntegratorCertificate(boundary=(-0.6, 0.6, -0.6, 0.6))
+    for _ in range(5):
+        positions = random.uniform(-0.5, 0.5, (2, number))
+        command = random.uniform(-0.3, 0.3, (2, number))
+        fresh = SingleIntegratorCertificate(boundary=(-0.6, 0.6, -0.6, 0.6))
+        expected, expected_info = fresh(command, positions)
+        velocity, info = remembering(command, positions)
+        assert info.status == expected_info.status
+        np.testing.assert_allclose(velocity, expected, atol=1e-8)
