@@ -39,11 +39,12 @@ test: $(VENV)/.dev  ## the test suite
 test-slow: $(VENV)/.dev  ## the tests that take minutes
 	$(BIN)/python -m pytest -m slow $(PYTEST_ARGS)
 
-# The oldest NumPy that is supported; on Pythons that still have it (3.10 to 3.12).
+# The oldest NumPy that is supported, on Pythons that still have it (3.10 to 3.12); the newest
+# cvxpy and pyarrow need NumPy 2.
 $(VENV)-numpy1/.dev: setup.cfg constraints.txt
 	$(PYTHON) -m venv $(VENV)-numpy1
-	grep -vE '^(numpy|cvxpy)==' constraints.txt > $(VENV)-numpy1/constraints.txt
-	$(VENV)-numpy1/bin/pip install -q -c $(VENV)-numpy1/constraints.txt 'numpy <2' -e '.[test]'
+	grep -vE '^(numpy|cvxpy|pyarrow)==' constraints.txt > $(VENV)-numpy1/constraints.txt
+	$(VENV)-numpy1/bin/pip install -q -c $(VENV)-numpy1/constraints.txt 'numpy <2' 'pyarrow <20' -e '.[test]'
 	@touch $@
 
 test-numpy1: $(VENV)-numpy1/.dev  ## the test suite on NumPy 1.26
