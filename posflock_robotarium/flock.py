@@ -137,7 +137,7 @@ class FlockStep:
     moved : float
         How far it moved a robot's velocity at most, m/s.
     smallest_h : float
-        Its smallest barrier value, m².
+        Its smallest barrier value: m² where a pair has it, m where a wall has.
     turning : float
         By how much arena steering turned the common velocity in this step, rad.
     """

@@ -18,7 +18,8 @@ field of a row          type          meaning
 ``status``              string        what the certificate said: trivial, optimal,
                                       relaxed, failed, or none without a certificate
 ``moved``               float64       how far it moved a robot's velocity at most, m/s
-``smallest_h``          float64       its smallest barrier value, m² (NaN where unknown)
+``smallest_h``          float64       its smallest barrier value: m² of a pair, m of a wall
+                                      (NaN without a certificate)
 ======================  ============  ====================================================
 """
 
@@ -107,7 +108,7 @@ class PoseLog:
             "format": FORMAT,
             "robots": int(robots),
             "units": {"t": "s", "pose": ["m", "m", "rad"], "command": ["m/s", "rad/s"]}
-            | {"moved": "m/s", "smallest_h": "m^2"},
+            | {"moved": "m/s", "smallest_h": "m^2 of a pair, m of a wall"},
             "versions": versions(),
             **(metadata or {}),
         }
@@ -147,7 +148,7 @@ class PoseLog:
         status : str
             What the certificate said.
         moved, smallest_h : float
-            How far it moved a velocity at most (m/s); its smallest barrier value (m²).
+            How far it moved a velocity at most (m/s); its smallest barrier value.
         """
         if self.rows == len(self._map):
             self._grow()
