@@ -21,6 +21,7 @@ from scipy.sparse.linalg import splu
 from barrier_certificates.rows import FloatArray, IntArray, Rows
 
 _DENSE_UP_TO = 150  # binding rows; above, factorising the sparse matrix is faster
+_POLISHES = 6
 
 
 def guess(
@@ -115,3 +116,32 @@ def _solve_sparse(
         return None
     multiplier = factors.solve(excess.take(binding))
     return target - thin.T @ multiplier, multiplier, binding
+
+
+def polish(
+    rows: Rows, which: IntArray, target: FloatArray, near: FloatArray, multipliers: FloatArray
+) -> FloatArray:
+    """Turn an approximate optimum into the exact one, if its binding rows can be told.
+
+    Parameters
+    ----------
+    rows, which, target
+        The problem, see `barrier_certificates.solvers`.
+    near : (size,) array
+        A point near the optimum.
+    multipliers : (len(which),) array
+        Its multipliers: those of the binding rows are far above the others.
+
+    Returns
+    -------
+    (size,) array
+        The optimum over the chosen rows, or ``near`` where the binding rows stay in doubt.
+    """
+    chosen = rows.take(which)
+    gap = -chosen.excess(near)
+    binding = (multipliers > gap).nonzero()[0]
+    if not binding.shape[0]:
+        return near
+    excess = chosen.excess(target)
+    point, _, _, _ = guess(chosen, target, excess, binding, 1e-11, _POLISHES)
+    return near if point is None else point

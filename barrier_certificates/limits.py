@@ -7,12 +7,80 @@ afterwards changes its direction against the other robots' and voids the certifi
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from barrier_certificates.certificate_errors import ParameterError
-from barrier_certificates.rows import FloatArray, LimitRows
+from barrier_certificates.rows import (
+    NOTHING_NEAR,
+    Barrier,
+    FloatArray,
+    IntArray,
+    Scene,
+    with_world,
+)
+
+
+class LimitRows:
+    """Every robot's velocity stays inside a polygon, fixed in the plane or to its heading.
+
+    Parameters
+    ----------
+    normals : (2, K) array
+        Unit normals of the polygon's sides.
+    bounds : (K,) array
+        Its distance from zero along each, m/s.
+    names : sequence of str
+        What the sides are called in reports, such as ``"speed limit"``.
+    turning : bool
+        Whether the polygon turns with the robot's heading.
+    top_speed : float
+        No velocity in the polygon is faster, m/s.
+    """
+
+    weight = np.inf  # what the motors cannot do is never asked of them
+
+    def __init__(
+        self,
+        normals: FloatArray,
+        bounds: FloatArray,
+        names: Sequence[str],
+        turning: bool = False,
+        top_speed: float = np.inf,
+    ) -> None:
+        self.normals = normals
+        self.bounds = bounds
+        self.names = tuple(names)
+        self.turning = turning
+        self.top_speed = top_speed
+        along, across = normals
+        # (cos, sin) of the heading times these are the turned normals' x and y.
+        self._turned = np.stack([along, -across], axis=1), np.stack([across, along], axis=1)
+
+    def partners(self, number: int) -> IntArray:
+        """Which robots each row joins: side by side, every robot with the world."""
+        return with_world(len(self.names), number)
+
+    def prepare(self, number: int, coefficient: FloatArray, bound: FloatArray) -> None:
+        """Write what does not turn."""
+        coefficient[:2] = np.repeat(self.normals, number, axis=1)
+        bound[:] = np.repeat(self.bounds, number)
+
+    def update(self, scene: Scene, coefficient: FloatArray, bound: FloatArray) -> Barrier:
+        """Turn the polygon with the headings."""
+        if self.turning:
+            if scene.headings is None:
+                raise ParameterError("limits fixed to the body need the headings of the robots")
+            shape = (len(self.names), scene.headings.shape[1])
+            np.matmul(self._turned[0], scene.headings, out=coefficient[0].reshape(shape))
+            np.matmul(self._turned[1], scene.headings, out=coefficient[1].reshape(shape))
+        return NOTHING_NEAR
+
+    def label(self, number: int, row: int) -> str:
+        """Say which robot and which limit."""
+        return f"robot {row % number}: {self.names[row // number]}"
 
 
 @dataclass(frozen=True)
@@ -77,7 +145,7 @@ class VelocityPolygon:
 
     def rows(self, turning: bool = False) -> LimitRows:
         """Return the rows of the polygon, fixed in the plane or turning with the headings."""
-        return LimitRows(self.normals, self.bounds, self.names, turning)
+        return LimitRows(self.normals, self.bounds, self.names, turning, self.top_speed())
 
     def _closed(self) -> bool:
         """Whether the normals leave no half-plane uncovered."""

@@ -39,7 +39,7 @@ from barrier_certificates.certificate_errors import (
     ParameterError,
     ShapeError,
 )
-from barrier_certificates.rows import FloatArray, IntArray, Rows
+from barrier_certificates.rows import BoolArray, FloatArray, IntArray, Rows
 
 Policy = Literal["relax", "stop", "raise"]
 Status = Literal["trivial", "optimal", "relaxed", "failed"]
@@ -50,6 +50,7 @@ TOLERANCE = 1e-9
 _NO_ROWS: IntArray = np.zeros(0, dtype=np.intp)
 _GUESSES = 8
 _ROUNDS = 50
+_BINDS = 1e-7  # m/s; a row this close to its bound is reported as binding
 
 
 @dataclass(slots=True)
@@ -77,6 +78,9 @@ class ProjectionInfo:
         The same in metres throughout: distance less radius, distance to the wall less margin.
     binding : integer array
         Indices of the rows that bind.
+    stuck : integer array
+        Robots that have been told to move but held back for some time, where a certificate watches
+        for it (its ``deadlock`` parameters).
     """
 
     status: Status
@@ -87,7 +91,13 @@ class ProjectionInfo:
     smallest_h: float = math.inf
     clearance: float = math.inf
     binding: IntArray = field(default_factory=lambda: _NO_ROWS, repr=False)
+    stuck: IntArray = field(default_factory=lambda: _NO_ROWS)
     rows: Rows | None = field(default=None, repr=False)
+
+    @property
+    def deadlocked(self) -> bool:
+        """Whether any robot is stuck."""
+        return bool(self.stuck.shape[0])
 
     @property
     def active(self) -> tuple[str, ...]:
@@ -181,7 +191,6 @@ class Projector:
         """Return the optimum, or None where no point satisfies all rows."""
         warm = self._recall(rows)
         info = ProjectionInfo("optimal", rows=rows)
-        working = None
         if self.solver == "auto":
             point, _, binding, info.iterations = guess(
                 rows, target, excess, warm, TOLERANCE, _GUESSES
@@ -189,22 +198,48 @@ class Projector:
             if point is not None:
                 return self._accept(point, rows, binding, info, "active set")
         name = solvers.choose(self.solver, rows.size)
-        solve = solvers.load(name)
         working = excess > TOLERANCE
         working[warm] = True
+        point, name = self._exact(rows, target, working, name, info)
+        if point is None:
+            return None, info
+        gap = rows.excess(point)
+        return self._accept(point, rows, (working & (gap > -_BINDS)).nonzero()[0], info, name)
+
+    def _exact(
+        self,
+        rows: Rows,
+        target: FloatArray,
+        working: BoolArray,
+        name: str,
+        info: ProjectionInfo,
+    ) -> tuple[FloatArray | None, str]:
+        """Solve for the working rows, add those that are broken, until none is; and by whom.
+
+        A solver that finds no point, or one that breaks the rows it was given, may be mistaken or
+        out of iterations: another one has to agree.
+        """
+        asked = [name]
         for _ in range(_ROUNDS):
-            which = np.flatnonzero(working)
-            point = solve(rows, which, target, self.options)
+            which = working.nonzero()[0]
             info.iterations += 1
-            if point is None:
-                return None, info
-            broken = rows.excess(point) > TOLERANCE
-            if not (broken & ~working).any():
-                break
+            point = solvers.load(name)(rows, which, target, self._options_of(name))
+            broken = None if point is None else rows.excess(point) > TOLERANCE
+            if broken is None or broken[which].any():
+                second = solvers.confirm(name, rows.size)
+                if second in asked:
+                    return None, name
+                asked.append(second)
+                name = second
+                continue
+            if not broken.any():
+                return point, name
             working |= broken
-        assert point is not None
-        at_bound = which[rows.excess(point)[which] > -1e-7]
-        return self._accept(point, rows, at_bound, info, name)
+        return None, name
+
+    def _options_of(self, name: str) -> Mapping[str, float]:
+        """Return the options if they are meant for this solver."""
+        return self.options if name == self.solver else {}
 
     def _recall(self, rows: Rows) -> IntArray:
         """Find last time's binding rows among the present ones."""
@@ -263,27 +298,19 @@ class Projector:
         softened.bound = np.maximum(rows.bound, -math.sqrt(2.0) * top_speed)
         start = np.zeros(softened.size)
         start[: rows.size] = target
-        hard = np.isinf(rows.weight)
-        name = "nnls" if self.solver == "auto" else self.solver
-        solve = solvers.load(name)
         working = softened.excess(start) > TOLERANCE
-        for _ in range(_ROUNDS):
-            point = solve(softened, np.flatnonzero(working), start, self.options)
-            info.iterations += 1
-            if point is None:
-                return None
-            broken = softened.excess(point) > TOLERANCE
-            if not (broken & ~working).any():
-                break
-            working |= broken
-        assert point is not None
+        name = solvers.choose(self.solver, rows.size)
+        point, name = self._exact(softened, start, working, name, info)
+        if point is None:
+            return None
         velocity = point[: rows.size]
         excess = rows.excess(velocity)
+        hard = np.isinf(rows.weight)
         if hard.any() and not float(excess[hard].max()) <= TOLERANCE:
             return None
         info.solver = name
         info.violation = max(float(excess.max()), 0.0)
-        info.binding = np.flatnonzero(working & (softened.excess(point) > -1e-7))
+        info.binding = (working & (softened.excess(point) > -_BINDS)).nonzero()[0]
         return velocity
 
     def _not_finite(self, desired: FloatArray) -> tuple[FloatArray, ProjectionInfo]:

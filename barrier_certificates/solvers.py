@@ -1,39 +1,93 @@
 """Which solvers there are, which is chosen when, and what to install for one that is missing.
 
-All share one signature, ``solve(rows, which, target, options) -> point | None``: the point nearest
-to the target that satisfies the chosen rows, or None if there is none. One module each.
+All share one signature, one module each::
+
+    solve(rows, which, target, options) -> point or None
+
+the point nearest to the target that satisfies the chosen rows (`Rows` and the indices of those to
+satisfy), or None if there is none. Options are the solver's own, by their own names, and hold for
+the one call.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import cache
-from importlib import import_module
 from importlib.util import find_spec
 from typing import NamedTuple
 
 from barrier_certificates.certificate_errors import ParameterError, SolverNotInstalledError
 from barrier_certificates.rows import FloatArray, IntArray, Rows
+from barrier_certificates.solve_nnls import solve as _solve_nnls
 
 Solve = Callable[[Rows, IntArray, FloatArray, Mapping[str, float]], "FloatArray | None"]
 
+LARGE = 300
+"""From this number of unknowns on, a sparse solver is chosen where one is installed."""
+
 
 class _Solver(NamedTuple):
-    module: str
     needs: str
     extra: str
+    load: Callable[[], Solve]
+
+
+def _daqp() -> Solve:
+    from barrier_certificates.solve_daqp import solve
+
+    return solve
+
+
+def _clarabel() -> Solve:
+    from barrier_certificates.solve_clarabel import solve
+
+    return solve
+
+
+def _piqp() -> Solve:
+    from barrier_certificates.solve_piqp import solve
+
+    return solve
+
+
+def _osqp() -> Solve:
+    from barrier_certificates.solve_osqp import solve
+
+    return solve
+
+
+def _cvxopt() -> Solve:
+    from barrier_certificates.solve_cvxopt import solve
+
+    return solve
+
+
+def _cvxpy() -> Solve:
+    from barrier_certificates.solve_cvxpy import solve
+
+    return solve
 
 
 _SOLVERS = {
-    "nnls": _Solver("nnls", "scipy", ""),
+    "nnls": _Solver("scipy", "", lambda: _solve_nnls),
+    "daqp": _Solver("daqp", "fast", _daqp),
+    "clarabel": _Solver("clarabel", "", _clarabel),
+    "piqp": _Solver("piqp", "fast", _piqp),
+    "osqp": _Solver("osqp", "", _osqp),
+    "cvxopt": _Solver("cvxopt", "cvxopt", _cvxopt),
+    "cvxpy": _Solver("cvxpy", "", _cvxpy),
 }
 
 NAMES = tuple(_SOLVERS)
 """The solvers that can be asked for by name."""
 
+_SMALL_FIRST = ("daqp", "nnls")
+_CONFIRM_LARGE = ("clarabel", "cvxopt", "nnls")
+_LARGE_FIRST = ("piqp", "clarabel", "cvxopt", "daqp", "nnls")
+
 
 def check(name: str) -> None:
-    """Refuse a solver that does not exist or is not installed.
+    """Refuse a solver that does not exist or is not installed; ``"auto"`` always passes.
 
     Raises
     ------
@@ -58,17 +112,29 @@ def check(name: str) -> None:
 @cache
 def installed(name: str) -> bool:
     """Whether a solver's library can be imported."""
-    return find_spec(_SOLVERS[name].needs) is not None
+    try:
+        return find_spec(_SOLVERS[name].needs) is not None
+    except ImportError:
+        return False
 
 
 def choose(name: str, size: int) -> str:
-    """Return the exact solver for a problem of this many unknowns."""
-    return "nnls" if name == "auto" else name
+    """Return the solver named, or for ``"auto"`` the best there is for so many unknowns."""
+    if name != "auto":
+        return name
+    order = _SMALL_FIRST if size < LARGE else _LARGE_FIRST
+    return next(name for name in order if installed(name))
+
+
+def confirm(name: str, size: int) -> str:
+    """Return the solver whose word counts when another one finds no point that satisfies all."""
+    if size < LARGE:
+        return "nnls"
+    return next(other for other in _CONFIRM_LARGE if other != name and installed(other))
 
 
 @cache
 def load(name: str) -> Solve:
-    """Import a solver's module and return its ``solve``."""
-    module = import_module(f"barrier_certificates.{_SOLVERS[name].module}")
-    solve: Solve = module.solve
-    return solve
+    """Return the ``solve`` of a solver, importing it now."""
+    check(name)
+    return _SOLVERS[name].load()

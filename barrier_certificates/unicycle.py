@@ -5,22 +5,27 @@ the axle, can move in any direction: q̇ = v·e + d·ω·e⊥. The certificate i
 integrators at the projection points, with what the motors can do as rows of the same program, in
 the body frame (see `barrier_certificates.limits`). Because centre and projection point are d apart,
 a radius of r + 2d between projection points keeps centres at least r apart.
+
+Wheels that do not turn quite as they are told are a bounded *disturbance*: given its bound, the
+rows hold for the worst of it (see `barrier_certificates.disturbance`).
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from barrier_certificates import checks
-from barrier_certificates.limits import unicycle_polygon
-from barrier_certificates.projection import Policy, ProjectionInfo, Projector
-from barrier_certificates.rows import Family, FloatArray, RowBook, Scene
-from barrier_certificates.single_integrator import SafetyParameters
+from barrier_certificates.certificate import Certificate, SafetyParameters
+from barrier_certificates.deadlock import DeadlockParameters
+from barrier_certificates.disturbance import WheelDisturbance
+from barrier_certificates.limits import LimitRows, unicycle_polygon
+from barrier_certificates.obstacles import Obstacle
+from barrier_certificates.projection import Policy, ProjectionInfo
+from barrier_certificates.rows import FloatArray, Scene
 
 
 @dataclass(frozen=True)
@@ -35,6 +40,8 @@ class UnicycleParameters(SafetyParameters):
         Largest |v| in m/s, |ω| in rad/s and wheel speed in rad/s; None means no such limit.
     wheel_radius, base_length : float
         Radius of the wheels and distance between them, m.
+    wheel_disturbance : float
+        Largest unwanted speed of a wheel, rad/s, that the rows have to survive.
     """
 
     projection_distance: float = 0.05
@@ -43,6 +50,7 @@ class UnicycleParameters(SafetyParameters):
     wheel_limit: float | None = 12.5
     wheel_radius: float = 0.016
     base_length: float = 0.105
+    wheel_disturbance: float = 0.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -52,9 +60,10 @@ class UnicycleParameters(SafetyParameters):
         checks.positive_or_none("wheel_limit", self.wheel_limit, "of rad/s, or None")
         checks.positive("wheel_radius", self.wheel_radius, "of metres")
         checks.positive("base_length", self.base_length, "of metres")
+        checks.not_negative("wheel_disturbance", self.wheel_disturbance, "of rad/s")
 
 
-class UnicycleCertificate:
+class UnicycleCertificate(Certificate[UnicycleParameters]):
     """The safe commands nearest to the desired ones, for a team of differential-drive robots.
 
     Call it with unicycle commands, or `project` velocities of the projection points. It remembers
@@ -64,12 +73,13 @@ class UnicycleCertificate:
     ----------
     safety_radius : float
         Smallest distance between projection points, m: the centres' plus 2 d.
-    barrier_gain, unsafe_gain, boundary, wall_margin
-        See `SafetyParameters`; walls act on the projection points.
-    projection_distance, speed_limit, turn_rate_limit, wheel_limit, wheel_radius, base_length
+    barrier_gain, unsafe_gain, boundary, wall_margin, obstacle_margin
+        See `barrier_certificates.certificate.SafetyParameters`; all act on the projection points.
+    projection_distance, speed_limit, turn_rate_limit, wheel_limit, wheel_radius, base_length, \
+wheel_disturbance
         See `UnicycleParameters`.
-    on_infeasible, solver, options
-        See `barrier_certificates.projection.Projector`.
+    obstacles, solver, on_infeasible, options, deadlock, tilt
+        See `barrier_certificates.certificate.Certificate`.
 
     Examples
     --------
@@ -89,61 +99,59 @@ class UnicycleCertificate:
         barrier_gain: float = 100.0,
         *,
         unsafe_gain: float | None = None,
-        boundary: tuple[float, float, float, float] | None = None,
+        boundary: Any = None,
         wall_margin: float | None = None,
+        obstacle_margin: float | None = None,
         projection_distance: float = 0.05,
         speed_limit: float | None = 0.2,
         turn_rate_limit: float | None = None,
         wheel_limit: float | None = 12.5,
         wheel_radius: float = 0.016,
         base_length: float = 0.105,
-        on_infeasible: Policy = "relax",
+        wheel_disturbance: float = 0.0,
+        obstacles: Sequence[Obstacle] = (),
         solver: str = "auto",
+        on_infeasible: Policy = "relax",
         options: Mapping[str, float] | None = None,
+        deadlock: DeadlockParameters | None = None,
+        tilt: float = 0.0,
     ) -> None:
-        self._projector = Projector(solver, on_infeasible, options)
-        self.parameters = UnicycleParameters(
+        parameters = UnicycleParameters(
             safety_radius=safety_radius,
             barrier_gain=barrier_gain,
             unsafe_gain=unsafe_gain,
             boundary=boundary,
             wall_margin=wall_margin,
+            obstacle_margin=obstacle_margin,
             projection_distance=projection_distance,
             speed_limit=speed_limit,
             turn_rate_limit=turn_rate_limit,
             wheel_limit=wheel_limit,
             wheel_radius=wheel_radius,
             base_length=base_length,
+            wheel_disturbance=wheel_disturbance,
         )
+        super().__init__(parameters, obstacles, solver, on_infeasible, options, deadlock, tilt)
 
-    @property
-    def parameters(self) -> UnicycleParameters:
-        """What the certificate keeps; set it (``dataclasses.replace``) to change it."""
-        return self._parameters
-
-    @parameters.setter
-    def parameters(self, parameters: UnicycleParameters) -> None:
-        self._parameters = parameters
-        families: list[Family] = []
+    def _limits(self) -> LimitRows | None:
+        p = self._parameters
         limits = unicycle_polygon(
-            parameters.projection_distance,
-            parameters.speed_limit,
-            parameters.turn_rate_limit,
-            parameters.wheel_limit,
-            parameters.wheel_radius,
-            parameters.base_length,
+            p.projection_distance,
+            p.speed_limit,
+            p.turn_rate_limit,
+            p.wheel_limit,
+            p.wheel_radius,
+            p.base_length,
         )
-        self._top_speed = math.inf
-        if limits is not None:
-            self._top_speed = limits.top_speed()
-            families.append(limits.rows(turning=True))
-        families += parameters.wall_rows()
-        self._book = RowBook(families, parameters.pair_rows(), self._top_speed)
-        self.reset()
+        return None if limits is None else limits.rows(turning=True)
 
-    def reset(self) -> None:
-        """Forget the previous step."""
-        self._projector.reset()
+    def _disturbance(self) -> WheelDisturbance | None:
+        p = self._parameters
+        if p.wheel_disturbance == 0.0:
+            return None
+        return WheelDisturbance(
+            p.wheel_disturbance, p.wheel_radius, p.base_length, p.projection_distance
+        )
 
     def project(self, desired: Any, poses: Any) -> tuple[FloatArray, ProjectionInfo]:
         """Return the safe velocities of the projection points nearest to the desired ones.
@@ -172,7 +180,7 @@ class UnicycleCertificate:
         desired = checks.columns("commands", desired, 2)
         poses = checks.columns("poses", poses, 3)
         checks.same_number(desired, poses)
-        return self._project(desired, poses, self._headings(poses))
+        return self._certify(desired, self._scene(poses))
 
     def __call__(self, desired: Any, poses: Any) -> tuple[FloatArray, ProjectionInfo]:
         """Return the safe unicycle commands nearest to the desired ones.
@@ -203,29 +211,26 @@ class UnicycleCertificate:
         desired = checks.columns("commands", desired, 2)
         poses = checks.columns("poses", poses, 3)
         checks.same_number(desired, poses)
-        headings = self._headings(poses)
-        cos, sin = headings
+        scene = self._scene(poses)
+        assert scene.headings is not None
+        cos, sin = scene.headings
         distance = self._parameters.projection_distance
         ahead, aside = desired[0], distance * desired[1]
-        points = np.stack([ahead * cos - aside * sin, ahead * sin + aside * cos])
-        velocity, info = self._project(points, poses, headings)
+        points = np.empty_like(desired)
+        points[0] = ahead * cos - aside * sin
+        points[1] = ahead * sin + aside * cos
+        velocity, info = self._certify(points, scene)
         if info.status == "trivial":
             return desired.copy(), info
         x, y = velocity
-        return np.stack([x * cos + y * sin, (y * cos - x * sin) / distance]), info
+        commands = np.empty_like(velocity)
+        commands[0] = x * cos + y * sin
+        commands[1] = (y * cos - x * sin) / distance
+        return commands, info
 
-    @staticmethod
-    def _headings(poses: FloatArray) -> FloatArray:
+    def _scene(self, poses: FloatArray) -> Scene:
+        """Return where the projection points are, and the headings."""
         headings = np.empty((2, poses.shape[1]))
         np.cos(poses[2], out=headings[0])
         np.sin(poses[2], out=headings[1])
-        return headings
-
-    def _project(
-        self, desired: FloatArray, poses: FloatArray, headings: FloatArray
-    ) -> tuple[FloatArray, ProjectionInfo]:
-        points = poses[:2] + self._parameters.projection_distance * headings
-        rows, barrier = self._book.write(Scene(points, headings))
-        velocity, info = self._projector.project(desired, rows, self._top_speed)
-        info.smallest_h, info.clearance = barrier
-        return velocity, info
+        return Scene(poses[:2] + self._parameters.projection_distance * headings, headings)

@@ -121,7 +121,7 @@ def test_no_other_point_found_by_a_general_optimiser_is_nearer(seed, number):
 
 
 def test_rows_that_bound_last_time_may_all_be_idle_now():
-    """A remembered row that would pull, with another one broken, must not leave nothing to solve."""
+    """Remembered rows that all pull, beside a broken one, must not leave nothing to solve."""
     certificate = SingleIntegratorCertificate()
     fresh = SingleIntegratorCertificate()
     positions = np.array([[-0.08, 0.08, 1.0], [0.0, 0.0, 0.0]])

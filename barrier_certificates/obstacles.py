@@ -1,0 +1,168 @@
+"""Rows that keep every robot away from discs and segments, standing or moving.
+
+Each obstacle is a capsule: the points within a radius of a segment, and a disc is one whose segment
+is a point. The nearest point of the segment is the partner in the row; its velocity is known, not
+an unknown, so obstacles never give way. (If an obstacle moves towards a robot faster than the robot
+can retreat, no velocity is safe, and the policy for infeasible states decides.)
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from barrier_certificates.certificate_errors import ParameterError
+from barrier_certificates.disturbance import WheelDisturbance
+from barrier_certificates.pairs import COINCIDENT
+from barrier_certificates.rows import Barrier, FloatArray, IntArray, Scene, with_world
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Disc:
+    """A disc at ``centre`` (m) with a ``radius`` (m), moving with ``velocity`` (m/s).
+
+    Raises
+    ------
+    ParameterError
+        If a number is not finite or the radius is negative.
+    """
+
+    centre: Point
+    radius: float
+    velocity: Point = (0.0, 0.0)
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        _check(self.radius, self.centre, self.velocity)
+
+    @property
+    def ends(self) -> tuple[Point, Point]:
+        """The two ends of the segment inside: both the centre."""
+        return self.centre, self.centre
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A wall or bar from ``start`` to ``end`` (m), ``radius`` (m) thick to each side.
+
+    Raises
+    ------
+    ParameterError
+        If a number is not finite or the radius is negative.
+    """
+
+    start: Point
+    end: Point
+    radius: float = 0.0
+    velocity: Point = (0.0, 0.0)
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        _check(self.radius, self.start, self.end, self.velocity)
+
+    @property
+    def ends(self) -> tuple[Point, Point]:
+        """The two ends of the segment."""
+        return self.start, self.end
+
+
+Obstacle = Disc | Segment
+
+
+def _check(radius: float, *points: Point) -> None:
+    numbers = np.asarray(points, dtype=float)
+    if numbers.shape != (len(points), 2) or not np.all(np.isfinite(numbers)):
+        raise ParameterError(f"obstacle has points {points}; expected pairs of finite numbers")
+    if not (math.isfinite(radius) and radius >= 0.0):
+        raise ParameterError(f"obstacle has radius {radius}; expected zero or a positive number")
+
+
+class ObstacleRows:
+    """Every robot stays away from every obstacle: −2D·vᵢ + 2D·ċ ≤ γ h³, h = ‖D‖² − R².
+
+    Parameters
+    ----------
+    obstacles : sequence of Disc or Segment
+        What to stay away from.
+    margin : float
+        Smallest distance between a position and the surface of an obstacle, m.
+    gain : float
+        γ, in 1/(m⁴ s).
+    disturbance : WheelDisturbance, optional
+        What the wheels may do on their own; rows then hold for the worst of it.
+    weight : float
+        Cost of giving a row up when no velocity satisfies all rows.
+    """
+
+    def __init__(
+        self,
+        obstacles: Sequence[Obstacle],
+        margin: float,
+        gain: float,
+        disturbance: WheelDisturbance | None = None,
+        weight: float = 1e6,
+    ) -> None:
+        self.gain = gain
+        self.disturbance = disturbance
+        self.weight = weight
+        self._margin = margin
+        self.move(obstacles)
+
+    def move(self, obstacles: Sequence[Obstacle]) -> None:
+        """Put obstacles where they are now; as many as before."""
+        ends = np.array([o.ends for o in obstacles], dtype=float).reshape(-1, 2, 2)
+        self._start = ends[:, 0].T[:, :, None]
+        self._along = (ends[:, 1] - ends[:, 0]).T[:, :, None]
+        square = (self._along * self._along).sum(axis=0)
+        self._inverse_square = np.divide(1.0, square, out=np.zeros_like(square), where=square > 0)
+        self._velocity = np.array([o.velocity for o in obstacles], dtype=float).T[:, :, None]
+        radii = np.array([o.radius for o in obstacles], dtype=float)[:, None]
+        self._distance = radii + self._margin
+        self.names = tuple(o.name or f"obstacle {k}" for k, o in enumerate(obstacles))
+
+    def partners(self, number: int) -> IntArray:
+        """Which robots each row joins: obstacle by obstacle, every robot with the world."""
+        return with_world(len(self.names), number)
+
+    def prepare(self, number: int, coefficient: FloatArray, bound: FloatArray) -> None:
+        """Write nothing: all of it changes with the positions."""
+
+    def update(self, scene: Scene, coefficient: FloatArray, bound: FloatArray) -> Barrier:
+        """Write the rows for the present positions."""
+        from_start = scene.positions[:, None, :] - self._start
+        part = (from_start * self._along).sum(axis=0) * self._inverse_square
+        np.clip(part, 0.0, 1.0, out=part)
+        offset = from_start - part * self._along
+        square = (offset * offset).sum(axis=0)
+        if square.min() < COINCIDENT**2:
+            square = self._leave(offset, square)
+        h = square - self._distance**2
+        distance = np.sqrt(square)
+        offset /= distance
+        closing = (offset * self._velocity).sum(axis=0)
+        coefficient[:2] = -offset.reshape(2, -1)
+        bound[:] = (0.5 * self.gain * h**3 / distance - closing).reshape(-1)
+        if self.disturbance is not None:
+            robots = np.tile(np.arange(scene.positions.shape[1]), len(self.names))
+            bound -= self.disturbance.worst(scene, robots, coefficient[:2])
+        return Barrier(float(h.min()), float((distance - self._distance).min()))
+
+    def _leave(self, offset: FloatArray, square: FloatArray) -> FloatArray:
+        """Give robots in the very middle of an obstacle a way out: to the side of its segment."""
+        inside = square < COINCIDENT**2
+        length = np.sqrt((self._along * self._along).sum(axis=0))
+        aside = np.where(
+            length > 0, np.stack([-self._along[1], self._along[0]]), [[[1.0]], [[0.0]]]
+        )
+        aside = np.broadcast_to(aside / np.where(length > 0, length, 1.0), offset.shape)
+        offset[:, inside] = COINCIDENT * aside[:, inside]
+        return np.where(inside, COINCIDENT**2, square)
+
+    def label(self, number: int, row: int) -> str:
+        """Say which robot and which obstacle."""
+        return f"robot {row % number} and {self.names[row // number]}"

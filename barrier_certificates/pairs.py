@@ -1,0 +1,118 @@
+"""Rows that keep every two robots apart."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from barrier_certificates.disturbance import WheelDisturbance
+from barrier_certificates.rows import Barrier, FloatArray, IntArray, Scene
+
+_SQRT2 = math.sqrt(2.0)
+COINCIDENT = 1e-6
+"""Below this distance in m the direction between two points says nothing."""
+
+
+class PairRows:
+    """Every two robots stay a radius apart: −2D·vᵢ + 2D·vⱼ ≤ γ h³, h = ‖D‖² − r².
+
+    The rows of the pairs that are looked at come from `write`, since which these are may change.
+
+    Parameters
+    ----------
+    radius : float
+        Smallest distance between two positions, m.
+    gain : float
+        γ, in 1/(m⁴ s): how fast a pair may close.
+    unsafe_gain : float, optional
+        γ for pairs that are already too close (h < 0): how fast they must part. Default: ``gain``.
+    disturbance : WheelDisturbance, optional
+        What the wheels may do on their own; rows then hold for the worst of it.
+    weight : float
+        Cost of giving a row up when no velocity satisfies all rows.
+    """
+
+    def __init__(
+        self,
+        radius: float,
+        gain: float,
+        unsafe_gain: float | None = None,
+        disturbance: WheelDisturbance | None = None,
+        weight: float = 1e6,
+    ) -> None:
+        self.radius = radius
+        self.gain = gain
+        self.unsafe_gain = gain if unsafe_gain is None else unsafe_gain
+        self.disturbance = disturbance
+        self.weight = weight
+
+    def write(
+        self, scene: Scene, pairs: IntArray, coefficient: FloatArray, bound: FloatArray
+    ) -> Barrier:
+        """Write the rows of the given pairs (2, m) into ``coefficient`` (4, m), ``bound`` (m,)."""
+        first, second = pairs
+        offset = scene.positions.take(first, axis=1)
+        offset -= scene.positions.take(second, axis=1)
+        square = offset[0] * offset[0]
+        square += offset[1] * offset[1]
+        # argmin costs a tenth of min on small arrays.
+        nearest = float(square[square.argmin()]) if square.shape[0] else np.inf
+        if nearest < COINCIDENT**2:
+            square = _part_coincident(offset, square, pairs)
+        h = square - self.radius**2
+        smallest = nearest - self.radius**2
+        # Two unit vectors make a row of norm √2, hence √2 on both sides.
+        scale = np.sqrt(square)
+        np.divide(1.0 / _SQRT2, scale, out=scale)
+        offset *= scale
+        coefficient[2:] = offset
+        np.negative(offset, out=offset)
+        coefficient[:2] = offset
+        if smallest < 0.0 and self.unsafe_gain != self.gain:
+            scale *= np.where(h < 0.0, 0.5 * self.unsafe_gain, 0.5 * self.gain)
+        else:
+            scale *= 0.5 * self.gain
+        np.multiply(h, h, out=bound)
+        bound *= h
+        bound *= scale
+        if self.disturbance is not None:
+            bound -= self.disturbance.worst(scene, first, coefficient[:2])
+            bound -= self.disturbance.worst(scene, second, coefficient[2:])
+        return Barrier(smallest, math.sqrt(nearest) - self.radius)
+
+    def reach(self, speed: float) -> float:
+        """Distance (m) beyond which no two robots of at most ``speed`` m/s can break their row."""
+        if not (self.gain > 0.0 and math.isfinite(speed)):
+            return math.inf
+        if self.disturbance is not None:
+            speed += self.disturbance.top_speed()
+
+        def out_of_reach(distance: float) -> bool:
+            # γ h³ ≥ 2 d·2s: the largest that the left side of the row can become.
+            return self.gain * (distance**2 - self.radius**2) ** 3 >= 4.0 * speed * distance
+
+        low, high = self.radius, 2.0 * self.radius + 1e-3
+        while not out_of_reach(high):
+            low, high = high, 2.0 * high
+        for _ in range(50):
+            middle = 0.5 * (low + high)
+            low, high = (low, middle) if out_of_reach(middle) else (middle, high)
+        return high
+
+
+def _part_coincident(offset: FloatArray, square: FloatArray, pairs: IntArray) -> FloatArray:
+    """Give robots at one point directions by their index, in place; return safe squared distances.
+
+    Without this the row would be 0/0, and a row of NaN is never found broken. Directions come from
+    points on a circle, one a robot, so that those of several coincident robots agree with each
+    other: each can move out along its own ray.
+    """
+    together = (square < COINCIDENT**2).nonzero()[0]
+    angle = 2.399963229728653 * pairs[:, together]  # the golden angle: no two indices share a ray
+    ray = np.stack([np.cos(angle), np.sin(angle)])
+    apart = ray[:, 0] - ray[:, 1]
+    offset[:, together] = COINCIDENT * apart / np.hypot(apart[0], apart[1])
+    square = square.copy()
+    square[together] = COINCIDENT**2
+    return square

@@ -1,0 +1,168 @@
+"""All rows of a team in one set, in arrays that live from step to step.
+
+The number of rows depends on the number of robots alone, so their indices are written once, and a
+step only fills in what changed. In large teams most pairs are too far apart to matter: at the top
+speed s of the robots, a pair whose γ h³ is at least 2‖D‖·2s cannot break its row. Such pairs are
+not even looked at; a k-d tree finds the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import combinations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from barrier_certificates.pairs import PairRows
+from barrier_certificates.rows import WORLD, Barrier, Family, IntArray, Rows, Scene
+
+
+class RowBook:
+    """The rows of a team, family after family, written into arrays that live from step to step.
+
+    Parameters
+    ----------
+    families : sequence of Family
+        Walls, obstacles and limits.
+    pairs : PairRows, optional
+        The pairs; they come last, since their number may change from step to step.
+    top_speed : float
+        No robot can be faster (m/s, ``inf`` if unknown): far pairs that cannot break their row at
+        this speed are left out of large teams.
+    prune_from : int
+        From this number of robots on, near pairs are looked for in a k-d tree.
+    """
+
+    def __init__(
+        self,
+        families: Sequence[Family],
+        pairs: PairRows | None,
+        top_speed: float = np.inf,
+        prune_from: int = 40,
+    ) -> None:
+        self.families = tuple(families)
+        self.pairs = pairs
+        self.top_speed = top_speed
+        self.prune_from = prune_from
+        self._number = -1
+        self._reach = np.inf if pairs is None else pairs.reach(top_speed)
+
+    def write(self, scene: Scene) -> tuple[Rows, Barrier]:
+        """Return the rows for a scene, and the smallest barrier in it.
+
+        The arrays inside are written again by the next call.
+        """
+        number = scene.positions.shape[1]
+        if number != self._number:
+            self._lay_out(number)
+        h = clearance = np.inf
+        for family, coefficient, bound in self._sections:
+            barrier = family.update(scene, coefficient, bound)
+            h, clearance = min(h, barrier.h), min(clearance, barrier.clearance)
+        if self.pairs is None or number < 2:
+            return self._rows, Barrier(h, clearance)
+        if self._all_pairs is not None:
+            barrier = self.pairs.write(
+                scene, self._all_pairs, self._pair_coefficient, self._pair_bound
+            )
+            return self._rows, Barrier(min(h, barrier.h), min(clearance, barrier.clearance))
+        return self._write_near(scene, Barrier(h, clearance))
+
+    def _lay_out(self, number: int) -> None:
+        """Allocate for this number of robots, and write what does not change."""
+        self._number = number
+        partners = [family.partners(number) for family in self.families]
+        self._fixed = sum(p.shape[1] for p in partners)
+        prune = number >= self.prune_from and np.isfinite(self._reach)
+        self._all_pairs: IntArray | None = None
+        if self.pairs is not None and number > 1 and not prune:
+            self._all_pairs = np.array(list(combinations(range(number), 2))).T
+            partners.append(self._all_pairs)
+        joined = np.concatenate(partners, axis=1) if partners else np.zeros((2, 0), dtype=np.intp)
+        total = joined.shape[1]
+        coefficient, bound = np.zeros((4, total)), np.zeros(total)
+        weight = np.empty(total)
+        self._sections = []
+        start = 0
+        for family, block in zip(self.families, partners, strict=False):
+            stop = start + block.shape[1]
+            weight[start:stop] = family.weight
+            section = (family, coefficient[:, start:stop], bound[start:stop])
+            family.prepare(number, *section[1:])
+            self._sections.append(section)
+            start = stop
+        if self.pairs is not None:
+            weight[start:] = self.pairs.weight
+        self._pair_coefficient, self._pair_bound = coefficient[:, start:], bound[start:]
+        fixed_labels, every = self._fixed_label(number), self._all_pairs
+        self._rows = Rows(
+            _unknowns(joined, number),
+            coefficient,
+            bound,
+            2 * number,
+            weight,
+            _labeller(fixed_labels, self._fixed, every),
+        )
+        self._label_fixed = fixed_labels
+
+    def _fixed_label(self, number: int) -> Callable[[int], str]:
+        starts = np.cumsum([0] + [family.partners(number).shape[1] for family in self.families])
+
+        def label(row: int) -> str:
+            place = int(np.searchsorted(starts, row, side="right")) - 1
+            return self.families[place].label(number, row - int(starts[place]))
+
+        return label
+
+    def _write_near(self, scene: Scene, barrier: Barrier) -> tuple[Rows, Barrier]:
+        """Write the rows of a large team: only pairs that can break their row at top speed."""
+        assert self.pairs is not None
+        number, fixed = self._number, self._rows
+        tree = cKDTree(scene.positions.T)
+        near = np.ascontiguousarray(tree.query_pairs(self._reach, output_type="ndarray").T)
+        coefficient, bound = np.empty((4, near.shape[1])), np.empty(near.shape[1])
+        closest = self.pairs.write(scene, near, coefficient, bound)
+        if not near.shape[1]:
+            distance = float(tree.query(scene.positions.T, k=2)[0][:, 1].min())
+            radius = self.pairs.radius
+            closest = Barrier(distance**2 - radius**2, distance - radius)
+        rows = Rows(
+            np.concatenate([fixed.index, _unknowns(near, number)], axis=1),
+            np.concatenate([fixed.coefficient, coefficient], axis=1),
+            np.concatenate([fixed.bound, bound]),
+            fixed.size,
+            np.concatenate([fixed.weight, np.full(near.shape[1], self.pairs.weight)]),
+            _labeller(self._label_fixed, self._fixed, near),
+            np.concatenate([np.arange(self._fixed), self._fixed + near[0] * number + near[1]]),
+        )
+        return rows, Barrier(min(barrier.h, closest.h), min(barrier.clearance, closest.clearance))
+
+
+def _unknowns(partners: IntArray, number: int) -> IntArray:
+    """Which unknowns rows between these partners (2, m) touch, shape (4, m)."""
+    first, second = partners
+    world = second == WORLD
+    at_world = 2 * number
+    return np.stack(
+        [
+            2 * first,
+            2 * first + 1,
+            np.where(world, at_world, 2 * second),
+            np.where(world, at_world, 2 * second + 1),
+        ]
+    )
+
+
+def _labeller(
+    fixed: Callable[[int], str], count: int, pairs: IntArray | None
+) -> Callable[[int], str]:
+    """Say what a row stands for: the first ``count`` are labelled, the rest are pairs."""
+
+    def label(row: int) -> str:
+        if row < count or pairs is None:
+            return fixed(row)
+        first, second = pairs[:, row - count]
+        return f"robots {first} and {second}"
+
+    return label

@@ -1,0 +1,126 @@
+"""Rows that keep every robot inside a convex arena."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from barrier_certificates.certificate_errors import ParameterError
+from barrier_certificates.disturbance import WheelDisturbance
+from barrier_certificates.rows import Barrier, FloatArray, IntArray, Scene, with_world
+
+
+class WallRows:
+    """Every robot stays inside: n·vᵢ ≤ 0.4 γ g³, g = distance to the wall − margin.
+
+    Parameters
+    ----------
+    normals : (2, W) array
+        Unit normals, pointing out of the arena.
+    offsets : (W,) array
+        Walls are the lines n·x = offset, m.
+    names : sequence of str
+        What the walls are called in reports, such as ``"wall +x"``.
+    margin : float
+        How far inside the wall a position has to stay, m.
+    gain : float
+        γ, in 1/(m² s).
+    disturbance : WheelDisturbance, optional
+        What the wheels may do on their own; rows then hold for the worst of it.
+    weight : float
+        Cost of giving a row up when no velocity satisfies all rows.
+    """
+
+    def __init__(
+        self,
+        normals: FloatArray,
+        offsets: FloatArray,
+        names: Sequence[str],
+        margin: float,
+        gain: float,
+        disturbance: WheelDisturbance | None = None,
+        weight: float = 1e4,
+    ) -> None:
+        self.normals = normals
+        self.names = tuple(names)
+        self.gain = gain
+        self.disturbance = disturbance
+        self.weight = weight
+        self._outward = np.ascontiguousarray(normals.T)
+        self._inner = (offsets - margin)[:, None]
+
+    def partners(self, number: int) -> IntArray:
+        """Which robots each row joins: wall by wall, every robot with the world."""
+        return with_world(len(self.names), number)
+
+    def prepare(self, number: int, coefficient: FloatArray, bound: FloatArray) -> None:
+        """Write the normals, which never change."""
+        coefficient[:2] = np.repeat(self.normals, number, axis=1)
+
+    def update(self, scene: Scene, coefficient: FloatArray, bound: FloatArray) -> Barrier:
+        """Write the bounds for the present positions."""
+        gap = self._outward @ scene.positions
+        np.subtract(self._inner, gap, out=gap)
+        gap = gap.reshape(-1)
+        np.multiply(gap, gap, out=bound)
+        bound *= gap
+        bound *= 0.4 * self.gain
+        if self.disturbance is not None:
+            robots = np.tile(np.arange(scene.positions.shape[1]), len(self.names))
+            bound -= self.disturbance.worst(scene, robots, coefficient[:2])
+        smallest = float(gap[gap.argmin()])
+        return Barrier(smallest, smallest)
+
+    def label(self, number: int, row: int) -> str:
+        """Say which robot and which wall."""
+        return f"robot {row % number} and {self.names[row // number]}"
+
+
+def rectangle(bounds: Any) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
+    """Return normals (2, 4), offsets (4,) and names of the walls of a rectangle.
+
+    Parameters
+    ----------
+    bounds : (4,) array-like
+        x_min, x_max, y_min, y_max, m.
+    """
+    x_min, x_max, y_min, y_max = (float(b) for b in np.asarray(bounds, dtype=float).reshape(-1))
+    normals = np.array([[1.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, -1.0]])
+    offsets = np.array([x_max, -x_min, y_max, -y_min])
+    return normals, offsets, ("wall +x", "wall -x", "wall +y", "wall -y")
+
+
+def polygon(corners: Any) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
+    """Return normals (2, W), offsets (W,) and names of the walls of a convex polygon.
+
+    Parameters
+    ----------
+    corners : (2, W) array-like
+        Corners in order, either way round, m.
+
+    Raises
+    ------
+    ParameterError
+        If there are fewer than three, or they are not in convex position. An arena with a corner
+        that points inwards is a convex one with segment obstacles along the edges there.
+    """
+    points = np.asarray(corners, dtype=float)
+    if points.ndim != 2 or points.shape[0] != 2 or points.shape[1] < 3:
+        raise ParameterError(
+            f"corners have shape {points.shape}; expected (2, W) with three corners or more"
+        )
+    edges = np.roll(points, -1, axis=1) - points
+    following = np.roll(edges, -1, axis=1)
+    turns = edges[0] * following[1] - edges[1] * following[0]
+    # All corners turn one way, and once around only: a star turns one way too, but twice around.
+    angle = np.arctan2(turns, (edges * following).sum(axis=0)).sum()
+    if not (np.all(turns > 0) or np.all(turns < 0)) or abs(angle) > 2.0 * np.pi + 1e-6:
+        raise ParameterError(
+            "corners are not those of a convex polygon in order; take a convex arena and put "
+            "Segment obstacles where a wall points inwards"
+        )
+    outward = np.stack([edges[1], -edges[0]]) * np.sign(turns[0]) / np.hypot(*edges)
+    names = tuple(f"wall {k}" for k in range(points.shape[1]))
+    return outward, (outward * points).sum(axis=0), names
