@@ -12,6 +12,7 @@ from rps_compat.arena import Arena, Array, RobotModel, require_finite
 from rps_compat.errors import ConstructorError
 from rps_compat.initial import checked_poses
 from rps_compat.lazy import LazyModule
+from rps_compat.report import MESSAGES
 from rps_compat.wrong_generation import refuse
 
 plt = LazyModule("matplotlib.pyplot")
@@ -22,13 +23,6 @@ misc = LazyModule("rps_compat.v1.utilities.misc")
 __all__ = [
     "ABC", "RobotariumABC", "abstractmethod", "math", "misc", "np", "patches", "plt", "time",
 ]  # fmt: skip
-
-_MESSAGES = {
-    "boundary": "iteration(s) robots were outside the boundaries.",
-    "collision": "iteration(s) where robots collided.",
-    "actuator": "iteration(s) where the actuator limits of at least one robot were exceeded and "
-    "thresholded to their maximum rotational velocity.",
-}
 
 
 class RobotariumABC(ABC):
@@ -175,7 +169,7 @@ class RobotariumABC(ABC):
         ):
             if count:
                 errors[kind] = count
-                errors[f"{kind}_string"] = _MESSAGES[kind]
+                errors[f"{kind}_string"] = MESSAGES[kind]
         return errors
 
     @_errors.setter
