@@ -74,6 +74,8 @@ class Robotarium(RobotariumABC):
         arena.step()
         if arena.realism is not None:
             self._reported[:] = arena.observe()
+        if self._pace is not None:
+            self._pace.after_step(self.time_step)
 
     def call_at_scripts_end(self) -> None:
         """Print what the testbed would say about this run: duration, violations."""

@@ -74,6 +74,8 @@ class Robotarium(ARobotarium):
             self._suite.sense()
         else:
             self._sense_by_methods()
+        if self._pace is not None:
+            self._pace.after_step(self.TIME_STEP)
 
     def _sense_by_methods(self) -> None:
         # A subclass has its own sensors: let it simulate each in the published order.

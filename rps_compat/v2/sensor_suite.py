@@ -5,12 +5,15 @@ rays (the published random stream demands these three); inertial readings and co
 out from the stored noise when a getter asks.
 """
 
+import weakref
 from typing import Any
 
 import numpy as np
 
 from rps_compat import sensors
 from rps_compat.arena import Array
+
+_BATCH = 256
 
 
 class SensorSuite:
@@ -30,11 +33,15 @@ class SensorSuite:
 
     def __init__(self, robotarium: Any) -> None:
         robots = robotarium.number_of_robots
-        self._of = robotarium
+        self._of = weakref.proxy(robotarium)  # it owns this suite
         self.distances: Array = np.full(
             (robotarium.DISTANCE_SENSORS_ORIENTATION.shape[1], robots), np.nan
         )
-        self.encoders: Array = np.zeros((2, robots))
+        self._encoders: Array = np.zeros((2, robots))
+        # Ticks are added up many steps at once: what a step leaves is (wheels, noise).
+        self._turning = np.empty((_BATCH, 2, robots))
+        self._tick_noise = np.empty((_BATCH, 2, robots))
+        self._uncounted = 0
         self._accelerations: Array = np.zeros((3, robots))
         self._gyros: Array = np.zeros((3, robots))
         self._magnetic_fields: Array = np.zeros((3, robots))
@@ -60,7 +67,7 @@ class SensorSuite:
         self.work_out()
         arena = self._of._arena
         self._headings = arena.poses[2].copy()
-        self._turn_rates = np.broadcast_to(arena.velocities[1], self._headings.shape)
+        self._turn_rates = arena.velocities[1]
 
     def sense_distances(self) -> None:
         """Cast the rays from the true poses and disturb them."""
@@ -84,11 +91,26 @@ class SensorSuite:
 
     def count_ticks(self, noise: Array) -> None:
         """Add the ticks of the last step, disturbed by standard normal `noise` (2, N)."""
-        of = self._of
+        self._turning[self._uncounted] = self._of._arena.wheel_velocities
+        self._tick_noise[self._uncounted] = noise
+        self._uncounted += 1
+        if self._uncounted == _BATCH:
+            self._add_up()
+
+    def _add_up(self) -> None:
+        steps, of = slice(self._uncounted), self._of
         per_radian = of.ENCODER_COUNTS_PER_REVOLUTION * of.MOTOR_GEAR_RATIO / (2 * np.pi)
-        turned = of._arena.wheels(of._arena.velocities)
-        turned *= of.TIME_STEP * per_radian
-        self.encoders += sensors.encoder_ticks(turned, noise, of.ENCODER_NOISE_STD)
+        turned = self._turning[steps] * (of.TIME_STEP * per_radian)
+        ticks = sensors.encoder_ticks(turned, self._tick_noise[steps], of.ENCODER_NOISE_STD)
+        self._encoders = self._encoders + ticks.sum(axis=0)
+        self._uncounted = 0
+
+    @property
+    def encoders(self) -> Array:
+        """Ticks counted (2, N), left then right."""
+        if self._uncounted:
+            self._add_up()
+        return self._encoders
 
     def feel_accelerations(self, noise: Array) -> None:
         """Renew the accelerations with standard normal `noise` (3, N)."""
