@@ -65,10 +65,8 @@ class GritsbotPatches:
     def follow(self) -> None:
         """Move all patches to where the robots are."""
         x, y, theta = self._poses()
-        ahead, aside = (
-            np.array([np.cos(theta), np.sin(theta)]),
-            np.array([-np.sin(theta), np.cos(theta)]),
-        )
+        ahead = np.array([np.cos(theta), np.sin(theta)])
+        aside = np.array([-ahead[1], ahead[0]])
         centre = np.array([x, y])
         corner = centre - ahead * self._length / 2 - aside * self._width / 2
         for robot, patch in enumerate(self.chassis):

@@ -9,6 +9,7 @@ r.debug()
 """
 
 import time
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,24 @@ from rps_compat.errors import CallOrderError
 from rps_compat.report import report_on
 from rps_compat.v2.robotarium_abc import ARobotarium
 
-__all__ = ["ARobotarium", "NDArray", "Robotarium", "np", "time"]
+# Scripts get these names from `import *`, so every one of them is part of the interface.
+_FROM_UTILITIES = {
+    "create_at_pose": "misc",
+    "create_pose_controller_hybrid": "controllers",
+    "create_uni_barrier_certificate": "barrier_certificates",
+    "determine_font_size": "misc",
+    "generate_initial_poses": "misc",
+    "generate_random_poses": "misc",
+    "simulate_distance_sensors": "sensors",
+}
+__all__ = ["ARobotarium", "NDArray", "Robotarium", "np", "time", *_FROM_UTILITIES]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _FROM_UTILITIES:
+        module = import_module(f"rps_compat.v2.utilities.{_FROM_UTILITIES[name]}")
+        return getattr(module, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 class Robotarium(ARobotarium):

@@ -7,7 +7,7 @@ import weakref
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields
 from difflib import get_close_matches
-from typing import Any
+from typing import Any, Optional
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from rps_compat.lazy import LazyModule
 from rps_compat.pace import pace_of
 from rps_compat.sensors import ray_ends
 from rps_compat.v2.drawing import GternalDrawing
+from rps_compat.v2.patch_creation.gternal_patch import GTERNALRobotPatch, gternal_patch
 from rps_compat.v2.sensor_suite import SensorSuite
 from rps_compat.wrong_generation import refuse
 
@@ -29,7 +30,19 @@ patches = LazyModule("matplotlib.patches")
 _misc = LazyModule("rps_compat.v2.utilities.misc")
 
 # Scripts get these names from `import *`, so every one of them is part of the interface.
-__all__ = ["ABC", "ARobotarium", "NDArray", "abstractmethod", "math", "np", "patches", "plt"]
+__all__ = [
+    "ABC", "ARobotarium", "GTERNALRobotPatch", "Line2D", "NDArray", "Optional", "abstractmethod",
+    "gternal_patch", "math", "np", "patches", "plt",
+]  # fmt: skip
+
+
+def __getattr__(name: str) -> Any:
+    # matplotlib's class belongs to this module's names, and is imported when asked for.
+    if name == "Line2D":
+        from matplotlib.lines import Line2D
+
+        return Line2D
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 @dataclass
@@ -193,9 +206,8 @@ class ARobotarium(ABC):
 
     def __getattr__(self, name: str) -> Any:
         if name in ("_fig", "_axes_handle", "_robot_handle", *_SENSOR_ARTISTS):
-            if name in _SENSOR_ARTISTS and not (
-                self.show_figure and getattr(self, _SENSOR_ARTISTS[name])
-            ):
+            option = _SENSOR_ARTISTS.get(name)
+            if option and not (self.show_figure and getattr(self, option)):
                 return refuse(self, name, generation=2)
             self._initialize_visualization()  # made when first asked for
             return self.__dict__[name]
@@ -266,7 +278,7 @@ class ARobotarium(ABC):
     def _robot_colors(self) -> Array:
         from matplotlib.colors import hsv_to_rgb
 
-        # Steps of the golden ratio around the colour circle: neighbours differ, whatever their number.
+        # Steps of the golden ratio around the colour circle: neighbours differ for any number.
         hue = np.mod(np.arange(self.number_of_robots) * 0.618034, 1.0)
         rgb = hsv_to_rgb(np.column_stack([hue, np.full_like(hue, 0.75), np.full_like(hue, 0.85)]))
         return np.column_stack([rgb, np.ones_like(hue)])

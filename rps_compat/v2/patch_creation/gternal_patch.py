@@ -1,6 +1,7 @@
 """A GTernal robot as a drawing: an outline in the robot's frame, and the patches that follow it."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
@@ -17,8 +18,8 @@ plt = LazyModule("matplotlib.pyplot")
 
 # Scripts get these names from `import *`, so every one of them is part of the interface.
 __all__ = [
-    "GTERNALPatchData", "GTERNALRobotPatch", "NDArray", "Optional", "Path", "PathPatch", "dataclass",
-    "gternal_patch", "np", "plt",
+    "GTERNALPatchData", "GTERNALRobotPatch", "NDArray", "Optional", "Path", "PathPatch",
+    "dataclass", "gternal_patch", "np", "plt",
 ]  # fmt: skip
 
 _BODY, _WHEEL, _LED_OFF = (0.36, 0.40, 0.46), (0.13, 0.14, 0.16), (0.93, 0.80, 0.35)
@@ -63,12 +64,13 @@ def gternal_patch() -> GTERNALPatchData:
     body = 0.055 * np.column_stack([np.cos(around), np.sin(around)])
     body[:, 0] += 0.01
     wheel = np.array([[-0.016, -0.004], [0.016, -0.004], [0.016, 0.004], [-0.016, 0.004]])
-    left, right = wheel + [0, 0.055], wheel - [0, 0.055]
+    aside = np.array([0, 0.055])
+    left, right = wheel + aside, wheel - aside
     lamp = np.linspace(0, 2 * np.pi, 13)[:-1]
-    led = [0.033, 0] + 0.012 * np.column_stack([np.cos(lamp), np.sin(lamp)])
+    led = np.column_stack([0.033 + 0.012 * np.cos(lamp), 0.012 * np.sin(lamp)])
     parts = (left, right, body, led)
     starts = np.cumsum([0, *(len(part) for part in parts)])
-    faces = [list(range(a, b)) for a, b in zip(starts[:-1], starts[1:], strict=True)]
+    faces = [list(range(a, b)) for a, b in pairwise(starts)]
     colors = np.array([_WHEEL, _WHEEL, _BODY, _LED_OFF])
     return GTERNALPatchData(np.vstack(parts), faces, colors)
 
@@ -118,7 +120,8 @@ class GTERNALRobotPatch:
         """Move the patches to `pose` (3,): metres and radians."""
         outline = self._transform(self.data.vertices, pose)
         for face, patch in zip(self.data.faces, self.patches, strict=True):
-            patch.get_path().vertices[:] = _closed(outline[face])
+            vertices = np.asarray(patch.get_path().vertices)  # a view: the path's own points
+            vertices[:] = _closed(outline[face])
             patch.stale = True
 
     def set_led(self, rgb: NDArray[np.floating]) -> None:
