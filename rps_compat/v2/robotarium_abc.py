@@ -7,7 +7,7 @@ import weakref
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields
 from difflib import get_close_matches
-from typing import Any, Optional
+from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,9 @@ from rps_compat.v2.drawing import GternalDrawing
 from rps_compat.v2.patch_creation.gternal_patch import GTERNALRobotPatch, gternal_patch
 from rps_compat.v2.sensor_suite import SensorSuite
 from rps_compat.wrong_generation import refuse
+
+if TYPE_CHECKING:
+    from matplotlib.lines import Line2D
 
 plt = LazyModule("matplotlib.pyplot")
 patches = LazyModule("matplotlib.patches")
