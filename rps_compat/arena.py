@@ -23,6 +23,7 @@ step, whatever the script does.
 """
 
 from dataclasses import dataclass
+from math import isfinite
 from typing import Protocol
 
 import numpy as np
@@ -34,6 +35,8 @@ from rps_compat.violations import Violations
 Array = NDArray[np.float64]
 
 PI = float(np.pi)
+# A step is twenty small array operations; these skip a Python layer that .min() and .max() have.
+_minimum, _maximum = np.minimum.reduce, np.maximum.reduce
 
 
 @dataclass(frozen=True)
@@ -117,6 +120,8 @@ class Arena:
         until the next command.
     velocities : ndarray (2, N)
         Velocities really driven in the last step.
+    wheel_velocities : ndarray (2, N)
+        How fast the wheels really turned in it, left then right, rad/s.
     steps : int
         Steps done.
     violations : Violations
@@ -139,11 +144,13 @@ class Arena:
         self.recorder = recorder
         self.commands: Array = np.zeros((2, robots))
         self.velocities: Array = self.commands
+        self.wheel_velocities: Array = self.commands
         self.steps = 0
         self.time = 0.0
         self.violations = Violations()
         self._observed: Array | None = None
         self._pairs = np.triu_indices(robots, 1)
+        self._bodies = np.empty(robots, dtype=complex)  # the plane as complex numbers
         if realism is not None:
             realism.reset(self.poses, robot.time_step, rng or np.random.default_rng())
 
@@ -192,7 +199,7 @@ class Arena:
     def check(self) -> None:
         """Count what is wrong at the present poses and commands, without moving."""
         speeds = np.abs(self.wheels(self._checked(self.commands)))
-        if speeds.size and speeds.max() > self.robot.max_wheel_velocity:
+        if speeds.max() > self.robot.max_wheel_velocity:
             self.violations.actuator(self.steps, speeds, self.robot.max_wheel_velocity)
         self._check_places(np.cos(self.poses[2]), np.sin(self.poses[2]))
 
@@ -214,7 +221,7 @@ class Arena:
         wheels = self.wheels(commands)
         limit = robot.max_wheel_velocity
         speeds = np.abs(wheels)
-        if speeds.size and not speeds.max() <= limit:  # a NaN takes this path too
+        if not _maximum(speeds, axis=None) <= limit:  # a NaN takes this path too
             require_finite(commands)
             self.violations.actuator(self.steps, speeds, limit)
             np.minimum(wheels, limit, out=wheels)
@@ -227,6 +234,8 @@ class Arena:
         self.commands = driven = admitted
         if self.realism is not None:
             driven = self.realism.actuate(self._for_all(admitted), poses, self.time)
+            wheels = self.wheels(driven)
+        self.wheel_velocities = wheels
         self.velocities = driven
         self._drive(driven, cosine, sine)
         self._observed = None
@@ -246,19 +255,23 @@ class Arena:
         return np.broadcast_to(commands, (2, self.poses.shape[1]))
 
     def _check_places(self, cosine: Array, sine: Array) -> None:
-        x, y, _ = self.poses
+        positions = self.poses[:2]
         x_min, x_max, y_min, y_max = self.robot.boundaries
-        if (x < x_min).any() or (x > x_max).any() or (y < y_min).any() or (y > y_max).any():
+        smallest, largest = _minimum(positions, axis=1), _maximum(positions, axis=1)
+        if smallest[0] < x_min or largest[0] > x_max or smallest[1] < y_min or largest[1] > y_max:
+            x, y = positions
             beyond = np.maximum.reduce([x_min - x, x - x_max, y_min - y, y - y_max])
             self.violations.outside(self.steps, beyond)
         i, j = self._pairs
         if not len(i):
             return
         ahead, reach = self.robot.collision_offset, self.robot.collision_diameter
-        body_x, body_y = x + ahead * cosine, y + ahead * sine
-        gap_x, gap_y = body_x[i] - body_x[j], body_y[i] - body_y[j]
-        squared = gap_x * gap_x + gap_y * gap_y
-        if squared.min() <= reach * reach:
+        bodies = self._bodies
+        bodies.real = positions[0] + ahead * cosine
+        bodies.imag = positions[1] + ahead * sine
+        gaps = bodies[i] - bodies[j]
+        squared = gaps.real**2 + gaps.imag**2
+        if _minimum(squared) <= reach * reach:
             close = np.flatnonzero(squared <= reach * reach)
             self.violations.close(self.steps, i[close], j[close], np.sqrt(squared[close]))
 
@@ -269,16 +282,18 @@ class Arena:
         poses[1] += distance * sine
         theta = poses[2]
         theta += dt * velocities[1]
-        if (np.abs(theta) > PI).any():
+        if _maximum(np.abs(theta)) > PI:
             np.arctan2(np.sin(theta), np.cos(theta), out=theta)
 
 
 def require_finite(velocities: Array) -> None:
     """Raise CommandError, naming robot and value, unless all `velocities` (2, N) are finite."""
-    if not np.isfinite(velocities).all():
-        row, robot = (int(k) for k in np.argwhere(~np.isfinite(velocities))[0])
-        name = ("forward speed", "turn rate")[row]
-        raise CommandError(
-            f"the {name} of robot {robot} is {velocities[row, robot]} (velocities[{row}, {robot}]):"
-            " only finite velocities can be driven; look for a division by zero or a missing value"
-        )
+    if isfinite(_maximum(np.abs(velocities), axis=None, initial=0.0)):
+        return
+    where = tuple(int(k) for k in np.argwhere(~np.isfinite(velocities))[0])
+    what = ("forward speed", "turn rate")[where[0] % 2] if len(where) == 2 else "velocity"
+    place = ", ".join(map(str, where))
+    raise CommandError(
+        f"the {what} of robot {where[-1]} is {velocities[where]} (velocities[{place}]): only "
+        "finite velocities can be driven; look for a division by zero or a missing value"
+    )

@@ -17,6 +17,7 @@ import numpy as np
 from rps_compat.arena import Array
 from rps_compat.errors import CallOrderError
 from rps_compat.lazy import LazyModule
+from rps_compat.report import report_on
 from rps_compat.v1.robotarium_abc import RobotariumABC
 
 plt = LazyModule("matplotlib.pyplot")
@@ -73,6 +74,9 @@ class Robotarium(RobotariumABC):
         arena.step()
         if arena.realism is not None:
             self._reported[:] = arena.observe()
+        if self._pace is not None:
+            self._pace.after_step(self.time_step)
 
     def call_at_scripts_end(self) -> None:
         """Print what the testbed would say about this run: duration, violations."""
+        print(report_on(self._arena).text(1), end="")

@@ -2,6 +2,7 @@
 
 import math
 import time
+import weakref
 from abc import ABC, abstractmethod
 from typing import Any
 
@@ -10,8 +11,12 @@ import numpy as np
 from rps_compat import session
 from rps_compat.arena import Arena, Array, RobotModel, require_finite
 from rps_compat.errors import ConstructorError
+from rps_compat.figure import ArenaFigure
 from rps_compat.initial import checked_poses
 from rps_compat.lazy import LazyModule
+from rps_compat.pace import pace_of
+from rps_compat.report import MESSAGES
+from rps_compat.v1.drawing import GritsbotPatches
 from rps_compat.wrong_generation import refuse
 
 plt = LazyModule("matplotlib.pyplot")
@@ -22,13 +27,6 @@ misc = LazyModule("rps_compat.v1.utilities.misc")
 __all__ = [
     "ABC", "RobotariumABC", "abstractmethod", "math", "misc", "np", "patches", "plt", "time",
 ]  # fmt: skip
-
-_MESSAGES = {
-    "boundary": "iteration(s) robots were outside the boundaries.",
-    "collision": "iteration(s) where robots collided.",
-    "actuator": "iteration(s) where the actuator limits of at least one robot were exceeded and "
-    "thresholded to their maximum rotational velocity.",
-}
 
 
 class RobotariumABC(ABC):
@@ -99,13 +97,38 @@ class RobotariumABC(ABC):
         self._model_key: tuple[float, ...] = self._constants()
         self._arena = self._session.arena(poses, self._model(), rng)
         self._reported = self._arena.observe()
-        self.previous_render_time = 0.0
+        self.previous_render_time = time.time()
         self.file_path = None
         self.current_file_size = 0
         self.left_led_commands: list[Any] = []
         self.right_led_commands: list[Any] = []
+        self.base_patches: list[Any] = []
+        self._patches: GritsbotPatches | None = None
+        self._picture: ArenaFigure | None = None
+        if show_figure:
+            self._open_figure().show()
+        self._pace = pace_of(self._picture, sim_in_real_time, self._session.wait)
         if self._session.created is not None:
             self._session.created(self)
+
+    def _open_figure(self) -> ArenaFigure:
+        arena = self._arena
+        x, y, width, height = self.boundaries
+        limits = (x - 0.1, x + width + 0.1, y - 0.1, y + height + 0.1)
+        me = weakref.ref(self)
+
+        def update() -> None:
+            of = me()
+            if of is not None and of._patches is not None:
+                of._patches.follow()
+
+        picture = self._picture = ArenaFigure(self, (6.4, 4.8), limits, update)
+        self.figure: Any = picture.figure
+        self.axes: Any = picture.axes
+        self._patches = GritsbotPatches(
+            picture.axes, lambda: arena.poses, self.robot_length, self.robot_width, self.boundaries
+        )
+        return picture
 
     def _first_poses(self, initial_conditions: Array) -> Array:
         if np.shape(initial_conditions) == (0,):
@@ -116,7 +139,40 @@ class RobotariumABC(ABC):
         return checked_poses(initial_conditions, self.number_of_robots)
 
     def __getattr__(self, name: str) -> Any:
+        if name in ("figure", "axes"):  # made when first asked for
+            self._open_figure()
+            return self.__dict__[name]
+        if name == "boundary_patch" and self.show_figure and self._patches is not None:
+            return self._patches.boundary
         return refuse(self, name, generation=1)
+
+    def _shown(self, kind: str) -> list[Any]:
+        return getattr(self._patches, kind) if self.show_figure and self._patches else []
+
+    @property
+    def chassis_patches(self) -> list[Any]:
+        """Rectangles of the robots' bodies; empty without a figure."""
+        return self._shown("chassis")
+
+    @property
+    def left_led_patches(self) -> list[Any]:
+        """Circles of the left LEDs; empty without a figure."""
+        return self._shown("left_leds")
+
+    @property
+    def right_led_patches(self) -> list[Any]:
+        """Circles of the right LEDs; empty without a figure."""
+        return self._shown("right_leds")
+
+    @property
+    def left_wheel_patches(self) -> list[Any]:
+        """Circles of the left wheels; empty without a figure."""
+        return self._shown("left_wheels")
+
+    @property
+    def right_wheel_patches(self) -> list[Any]:
+        """Circles of the right wheels; empty without a figure."""
+        return self._shown("right_wheels")
 
     def _constants(self) -> tuple[float, ...]:
         return (
@@ -175,7 +231,7 @@ class RobotariumABC(ABC):
         ):
             if count:
                 errors[kind] = count
-                errors[f"{kind}_string"] = _MESSAGES[kind]
+                errors[f"{kind}_string"] = MESSAGES[kind]
         return errors
 
     @_errors.setter

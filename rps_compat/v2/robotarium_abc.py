@@ -1,11 +1,13 @@
 """What every Robotarium of generation 2 has: constants, options, commands, wheels, validation."""
 
 import math
+import time
 import warnings
+import weakref
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields
 from difflib import get_close_matches
-from typing import Any
+from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,16 +15,37 @@ from numpy.typing import NDArray
 from rps_compat import session
 from rps_compat.arena import Arena, Array, RobotModel, require_finite
 from rps_compat.errors import CommandError, ConstructorError
+from rps_compat.figure import ArenaFigure
 from rps_compat.initial import checked_poses
 from rps_compat.lazy import LazyModule
+from rps_compat.pace import pace_of
+from rps_compat.sensors import ray_ends
+from rps_compat.v2.drawing import GternalDrawing
+from rps_compat.v2.patch_creation.gternal_patch import GTERNALRobotPatch, gternal_patch
+from rps_compat.v2.sensor_suite import SensorSuite
 from rps_compat.wrong_generation import refuse
+
+if TYPE_CHECKING:
+    from matplotlib.lines import Line2D
 
 plt = LazyModule("matplotlib.pyplot")
 patches = LazyModule("matplotlib.patches")
 _misc = LazyModule("rps_compat.v2.utilities.misc")
 
 # Scripts get these names from `import *`, so every one of them is part of the interface.
-__all__ = ["ABC", "ARobotarium", "NDArray", "abstractmethod", "math", "np", "patches", "plt"]
+__all__ = [
+    "ABC", "ARobotarium", "GTERNALRobotPatch", "Line2D", "NDArray", "Optional", "abstractmethod",
+    "gternal_patch", "math", "np", "patches", "plt",
+]  # fmt: skip
+
+
+def __getattr__(name: str) -> Any:
+    # matplotlib's class belongs to this module's names, and is imported when asked for.
+    if name == "Line2D":
+        from matplotlib.lines import Line2D
+
+        return Line2D
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 @dataclass
@@ -66,6 +89,13 @@ class _Options:
             value = getattr(self, option.name)
             if isinstance(option.default, bool) and not isinstance(value, bool):
                 raise ConstructorError(f"{option.name} is {value!r}, expected True or False")
+
+
+#: Artists that exist only where their option is on.
+_SENSOR_ARTISTS = {
+    "_distance_endpoint_patches": "show_distance_endpoints",
+    "_distance_ray_lines": "show_distance_rays",
+}
 
 
 class ARobotarium(ABC):
@@ -150,7 +180,7 @@ class ARobotarium(ABC):
         self.initializing = False
         self._called_step_already = True
         self._checked_poses_already = False
-        self._previous_render_time = 0.0
+        self._previous_render_time = time.time()
         self._leds = np.zeros((3, robots))
         self._velocities_old = np.zeros((2, robots))
 
@@ -159,6 +189,13 @@ class ARobotarium(ABC):
         self._model_key: tuple[Any, ...] = self._constants()
         target = self._target(options.initial_conditions)
         self._arena = self._session.arena(target, self._model(), self._rng)
+        self._suite = SensorSuite(self)
+        self._initial_encoders = np.zeros((2, robots))
+        self._picture: ArenaFigure | None = None
+        self._drawing: GternalDrawing | None = None
+        if self.show_figure:
+            self._initialize_visualization()
+        self._pace = pace_of(self._picture, self._sim_in_real_time, self._session.wait)
         if self._session.created is not None:
             self._session.created(self)
 
@@ -171,7 +208,83 @@ class ARobotarium(ABC):
         return checked_poses(initial_conditions, self.number_of_robots)
 
     def __getattr__(self, name: str) -> Any:
+        if name in ("_fig", "_axes_handle", "_robot_handle", *_SENSOR_ARTISTS):
+            option = _SENSOR_ARTISTS.get(name)
+            if option and not (self.show_figure and getattr(self, option)):
+                return refuse(self, name, generation=2)
+            self._initialize_visualization()  # made when first asked for
+            return self.__dict__[name]
+        if name == "_cm":
+            self._cm = self.robot_colormap().cmap
+            return self._cm
         return refuse(self, name, generation=2)
+
+    def _initialize_visualization(self) -> None:
+        me = weakref.ref(self)
+
+        def update() -> None:
+            of = me()
+            if of is not None:
+                of._draw_robots()
+
+        x_min, x_max, y_min, y_max = self.BOUNDARIES
+        limits = (x_min - 0.05, x_max + 0.05, y_min - 0.05, y_max + 0.05)
+        picture = self._picture = ArenaFigure(self, (8.25, 5.25), limits, update)
+        self._fig, self._axes_handle = picture.figure, picture.axes
+        sensors = self._distance_sensors_enabled
+        rays, endpoints = (
+            sensors and self.show_distance_rays,
+            sensors and self.show_distance_endpoints,
+        )
+        self._drawing = GternalDrawing(
+            picture.axes,
+            self._arena,
+            boundaries=self.BOUNDARIES if self.show_arena_boundaries else None,
+            obstacles=self.obstacles if self.show_obstacles else None,
+            colors=self._robot_colors() if rays or endpoints else np.empty((0, 4)),
+            patches=self.show_robot_patches,
+            endpoints=endpoints,
+            rays=rays,
+        )
+        self._robot_handle = self._drawing.robots
+        self._distance_endpoint_patches = self._drawing.endpoints
+        self._distance_ray_lines = self._drawing.rays
+        picture.show()
+
+    def _draw_robots(self) -> None:
+        drawing = self._drawing
+        if drawing is None:
+            return
+        drawing.follow_robots(self._leds)
+        if self._distance_sensors_enabled and (drawing.endpoints or drawing.rays):
+            ends = self._distance_endpoints
+            self._draw_distance_endpoints(ends)
+            self._draw_distance_rays(ends)
+
+    def _draw_distance_endpoints(self, endpoints: Array) -> None:
+        if self._drawing is not None:
+            self._drawing.follow_endpoints(endpoints)
+
+    def _draw_distance_rays(self, endpoints: Array) -> None:
+        if self._drawing is not None:
+            starts = self._calculate_endpoints(np.zeros_like(self._distances))
+            self._drawing.follow_rays(endpoints, starts)
+
+    def robot_colormap(self) -> Any:
+        """Colours of the robots, one each, as a matplotlib ScalarMappable of robot indices."""
+        from matplotlib.cm import ScalarMappable
+        from matplotlib.colors import ListedColormap, Normalize
+
+        colors = ListedColormap(self._robot_colors())
+        return ScalarMappable(Normalize(0, max(self.number_of_robots - 1, 1)), colors)
+
+    def _robot_colors(self) -> Array:
+        from matplotlib.colors import hsv_to_rgb
+
+        # Steps of the golden ratio around the colour circle: neighbours differ for any number.
+        hue = np.mod(np.arange(self.number_of_robots) * 0.618034, 1.0)
+        rgb = hsv_to_rgb(np.column_stack([hue, np.full_like(hue, 0.75), np.full_like(hue, 0.85)]))
+        return np.column_stack([rgb, np.ones_like(hue)])
 
     def _constants(self) -> tuple[Any, ...]:
         return (
@@ -211,6 +324,80 @@ class ARobotarium(ABC):
     @_velocities.setter
     def _velocities(self, velocities: Array) -> None:
         self._arena.commands = velocities
+
+    @property
+    def _distances(self) -> Array:
+        return self._suite.distances
+
+    @property
+    def _distance_endpoints(self) -> Array:
+        if not self._distance_sensors_enabled:
+            raise AttributeError(
+                "there are no distance endpoints without distance sensors: "
+                "Robotarium(use_distance_sensors=True, ...)"
+            )
+        return self._calculate_endpoints(self._distances)
+
+    @property
+    def _encoders(self) -> Array:
+        return self._suite.encoders
+
+    @property
+    def _accelerations(self) -> Array:
+        return self._suite.accelerations
+
+    @property
+    def _gyros(self) -> Array:
+        return self._suite.gyros
+
+    @property
+    def _magnetic_fields(self) -> Array:
+        return self._suite.magnetic_fields
+
+    @property
+    def _orientations(self) -> Array:
+        return self._suite.orientations
+
+    def get_distances(self) -> Array:
+        """Copy of the distance readings (7, N) in metres.
+
+        −1 where nothing was hit; NaN before the first step and without distance sensors.
+        """
+        return np.array(self._distances)
+
+    def get_distance_endpoints(self) -> Array:
+        """Points (2, 7, N) in metres that the distance sensors read; NaN where nothing was hit.
+
+        Raises
+        ------
+        AttributeError
+            The instance has no distance sensors.
+        """
+        return self._distance_endpoints
+
+    def get_encoders(self) -> NDArray[np.int32]:
+        """Ticks of the wheels since the start, (2, N): left, then right."""
+        return (self._encoders - self._initial_encoders).astype(np.int32)
+
+    def get_accelerations(self) -> Array:
+        """Copy of the accelerations (3, N), m/s²."""
+        return np.array(self._accelerations)
+
+    def get_gyros(self) -> Array:
+        """Copy of the turn rates about the three axes, (3, N), rad/s."""
+        return np.array(self._gyros)
+
+    def get_magnetic_fields(self) -> Array:
+        """Copy of the magnetic fields (3, N) in the robots' frames."""
+        return np.array(self._magnetic_fields)
+
+    def get_orientations(self) -> Array:
+        """Copy of the headings (N,) in degrees, [0, 360)."""
+        return np.array(self._orientations)
+
+    def _calculate_endpoints(self, distances: Array) -> Array:
+        # As published, drawn from the poses: the body's centre offset is left out.
+        return ray_ends(self._poses, distances, self.DISTANCE_SENSORS_ORIENTATION, 0.0)
 
     @property
     def _iteration(self) -> int:

@@ -1,0 +1,191 @@
+"""What a GTernal robot's sensors read: infrared distances, wheel encoders, inertial unit, compass.
+
+**Distances.** Each sensor sends a ray from its place on the body. The nearest wall segment or other
+robot (a disc) that the ray meets within range is read with a proportional error; a reading may drop
+out (−1), or be an outlier anywhere within range. No hit reads −1.
+
+**Encoders** count whole ticks. In a step in which a wheel turns by n ticks, the count grows by n
+plus noise whose spread goes with √n, rounded.
+
+**Inertial unit.** It sits off the wheel axle, so it feels the centripetal acceleration ω²r towards
+the axle, and gravity. (Acceleration along the path, dv/dt, is left out, as in the published
+simulator.) **Compass.** The horizontal field turns against the heading; the orientation is the
+heading in degrees within [0, 360).
+
+All noise comes from numpy's global generator in the published order, so that a script that seeds it
+reads the same numbers.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rps_compat.errors import RobotariumError
+
+Array = NDArray[np.float64]
+
+GRAVITY = 9.81
+NO_READING = -1.0
+
+
+class SensorError(RobotariumError, IndexError, ValueError):
+    """Poses, obstacles or sensor places of the wrong shape."""
+
+
+def ray_origins(poses: Array, places: Array, ahead: float) -> tuple[Array, Array, Array, Array]:
+    """Where the rays of all sensors begin, and their directions.
+
+    Parameters
+    ----------
+    poses
+        Poses of the robots, (3, N).
+    places
+        Sensors on the body, (3, S): forward and left of its centre in metres, direction in radians.
+    ahead
+        How far the body's centre lies ahead of the pose, metres.
+
+    Returns
+    -------
+    tuple of ndarray (S, N)
+        x and y of the origins in metres, x and y of the unit directions.
+    """
+    x, y, theta = poses
+    forward, left, turn = (places[row][:, None] for row in range(3))
+    cosine, sine = np.cos(theta), np.sin(theta)
+    forward = forward + ahead
+    direction = theta + turn
+    return (
+        x + forward * cosine - left * sine,
+        y + forward * sine + left * cosine,
+        np.cos(direction),
+        np.sin(direction),
+    )
+
+
+def cast_rays(
+    poses: Array,
+    obstacles: Array | None,
+    places: Array,
+    reach: float,
+    *,
+    robot_diameter: float | None = None,
+    ahead: float = 0.0,
+) -> Array:
+    """Exact distances (S, N) that the rays of N robots travel; −1 where nothing is within `reach`.
+
+    Parameters
+    ----------
+    poses, places, ahead
+        As for :func:`ray_origins`.
+    obstacles
+        Segments (M, 2, 2): both ends' x and y in metres. None or empty: no segments.
+    reach
+        Range of the sensors, metres.
+    robot_diameter
+        Diameter of the other robots' bodies in metres; None leaves them out.
+
+    Raises
+    ------
+    SensorError
+        Poses that are not (3, N), obstacles that are not (M, 2, 2).
+    """
+    if poses.ndim != 2 or poses.shape[0] != 3:
+        raise SensorError(f"poses have shape {poses.shape}, expected (3, N)")
+    from_x, from_y, along_x, along_y = ray_origins(poses, places, ahead)
+    nearest = np.full(from_x.shape, np.inf)
+    for (start_x, start_y), (end_x, end_y) in _segments(obstacles):
+        wall_x, wall_y = end_x - start_x, end_y - start_y
+        to_x, to_y = start_x - from_x, start_y - from_y
+        turn = along_x * wall_y - along_y * wall_x
+        with np.errstate(divide="ignore", invalid="ignore"):  # rays parallel to the segment
+            distance = (to_x * wall_y - to_y * wall_x) / turn
+            share = (to_x * along_y - to_y * along_x) / turn
+        met = (distance >= 0) & (share >= 0) & (share <= 1)
+        np.minimum(nearest, distance, out=nearest, where=met)
+    if robot_diameter is not None:
+        x, y, theta = poses
+        body_x, body_y = x + ahead * np.cos(theta), y + ahead * np.sin(theta)
+        for robot in range(poses.shape[1]):
+            to_x, to_y = body_x[robot] - from_x, body_y[robot] - from_y
+            squared = to_x * to_x + to_y * to_y
+            closest = to_x * along_x + to_y * along_y
+            chord = (robot_diameter / 2) ** 2 - (squared - closest * closest)
+            distance = closest - np.sqrt(np.maximum(chord, 0.0))
+            # A body whose centre is out of range is not seen, though its rim may be in range.
+            met = (chord >= 0) & (distance >= 0) & (squared <= reach * reach)
+            met[:, robot] = False
+            np.minimum(nearest, distance, out=nearest, where=met)
+    return np.where(nearest <= reach, nearest, NO_READING)
+
+
+def _segments(obstacles: Array | None) -> Array:
+    if obstacles is None or np.size(obstacles) == 0:
+        return np.empty((0, 2, 2))
+    segments = np.asarray(obstacles, dtype=float)
+    if segments.ndim != 3 or segments.shape[1:] != (2, 2):
+        raise SensorError(
+            f"obstacles have shape {segments.shape}, expected (M, 2, 2): for each of M segments "
+            "its two ends, for each end its x and y"
+        )
+    return segments
+
+
+def disturb_distances(
+    distances: Array, reach: float, error: float, dropout: float, outlier: float
+) -> Array:
+    """Disturb exact `distances` (S, N) into readings: a hit may drop out, stray, or err a little.
+
+    Parameters
+    ----------
+    distances
+        Exact distances in metres, −1 where nothing was hit, (S, N).
+    reach
+        Outliers are uniform within [0, `reach`] metres.
+    error
+        Standard deviation of the proportional error.
+    dropout, outlier
+        Probabilities of a hit to read −1, and else to be an outlier.
+    """
+    readings: Array = distances.copy()
+    for robot, sensor in np.argwhere(distances.T >= 0):
+        if np.random.rand() < dropout:  # noqa: NPY002 - the published stream
+            readings[sensor, robot] = NO_READING
+        elif np.random.rand() < outlier:  # noqa: NPY002
+            readings[sensor, robot] = np.random.uniform(0, reach)  # noqa: NPY002
+        else:
+            read = readings[sensor, robot] * (1 + error * np.random.randn())  # noqa: NPY002
+            readings[sensor, robot] = min(max(read, 0.0), reach)
+    return readings
+
+
+def ray_ends(poses: Array, distances: Array, places: Array, ahead: float) -> Array:
+    """Points (2, S, N) in metres that `distances` (S, N) reach; NaN where there is no reading."""
+    from_x, from_y, along_x, along_y = ray_origins(poses, places, ahead)
+    length = np.where(distances >= 0, distances, np.nan)
+    return np.stack([from_x + length * along_x, from_y + length * along_y])
+
+
+def encoder_ticks(turned: Array, noise: Array, spread: float) -> Array:
+    """Whole ticks counted in one step of wheels that `turned` so many ticks, (2, N).
+
+    `noise` is standard normal, (2, N); `spread` its standard deviation for up to one tick, growing
+    with the square root of their number.
+    """
+    ticks: Array = np.round(turned + spread * np.sqrt(np.maximum(1.0, np.abs(turned))) * noise)
+    return ticks
+
+
+def accelerations(turn_rates: Array, place: Array) -> Array:
+    """Accelerations (3, N) in m/s² at `place` (3,) metres off the axle of robots that turn."""
+    squared = turn_rates * turn_rates
+    return np.stack([-squared * place[0], -squared * place[1], np.full_like(squared, -GRAVITY)])
+
+
+def magnetic_fields(headings: Array, horizontal: float, vertical: float) -> Array:
+    """Magnetic field (3, N) in the frame of robots with `headings` (N,), in units of its parts."""
+    return np.stack(
+        [
+            horizontal * np.cos(headings),
+            -horizontal * np.sin(headings),
+            np.full_like(headings, vertical),
+        ]
+    )

@@ -1,0 +1,1 @@
+"""How generation 2 draws its robots."""
