@@ -549,7 +549,9 @@ _TRACKING = ("heading_offset", "tracking_jitter", "tracking_dropout")
 def _require_effects(names: tuple[str, ...]) -> None:
     for name in names:
         if name not in EFFECTS:
-            raise ProfileError(f"no effect is called {name!r}; the effects are {', '.join(EFFECTS)}")
+            raise ProfileError(
+                f"no effect is called {name!r}; the effects are {', '.join(EFFECTS)}"
+            )
 
 
 class Imperfections:

@@ -67,8 +67,9 @@ def constant(node: ast.expr, names: dict[str, Any]) -> Any:
             return None
     if isinstance(node, ast.JoinedStr):
         parts = [
-            constant(part.value, names) if isinstance(part, ast.FormattedValue) else
-            constant(part, names)
+            constant(part.value, names)
+            if isinstance(part, ast.FormattedValue)
+            else constant(part, names)
             for part in node.values
         ]
         return None if any(part is None for part in parts) else "".join(map(str, parts))

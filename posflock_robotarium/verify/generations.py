@@ -40,9 +40,7 @@ UTILITIES = {
     "cycle_GL": "cycleGL",
 }
 #: Functions that generation 2 alone has → what generation 1 has instead.
-_NEW_UTILITIES = {
-    new: old for old, new in reversed(UTILITIES.items()) if new
-} | {
+_NEW_UTILITIES = {new: old for old, new in reversed(UTILITIES.items()) if new} | {
     "create_pose_parking_controller_clf": "",
     "create_pose_parking_controller_hybrid": "",
     "generate_random_poses": "generate_initial_conditions",
@@ -67,7 +65,9 @@ def wrong_names(tree: ast.Module, generation: int) -> Iterator[tuple[int, str, s
     probed = _probed(tree)
     instances = _instances(tree)
     own = {n.name for n in ast.walk(tree) if isinstance(n, (ast.FunctionDef, ast.ClassDef))}
-    own |= {n.id for n in ast.walk(tree) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+    own |= {
+        n.id for n in ast.walk(tree) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
+    }
     imported: set[str] = set()
     starred = False
     for node in ast.walk(tree):

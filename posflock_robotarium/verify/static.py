@@ -389,9 +389,7 @@ def check_saving(source: Source) -> Iterator[Finding]:
 
 def check_files(source: Source) -> Iterator[Finding]:
     """Files it reads: there, flat, with an ending that may be uploaded."""
-    written = {
-        path for call in source.calls if (path := _path_written(source, call)) is not None
-    }
+    written = {path for call in source.calls if (path := _path_written(source, call)) is not None}
     for call, path in files_read(source):
         place = {"line": call.lineno}
         if path in written or (call.args and not path):
@@ -512,9 +510,7 @@ def _is_during(source: Source, call: ast.Call) -> bool:
     stepping = _stepping_functions(source.tree)
     if function.name in stepping:
         return call.lineno < first
-    return any(
-        _is_call_to(inner, {function.name}) for loop in loops for inner in ast.walk(loop)
-    )
+    return any(_is_call_to(inner, {function.name}) for loop in loops for inner in ast.walk(loop))
 
 
 def _only_called_after(source: Source, call: ast.Call, last: int) -> bool:
