@@ -5,6 +5,9 @@ bridge is the *projection point* :math:`q_i = p_i + d\,e(\theta_i)`, a point d a
 axle that can be driven in any direction, :math:`\dot q = v\,e + d\,\omega\,e^\perp`.  Once
 a step, in this order:
 
+0.  the poses by the commands sent, corrected slowly by those that are tracked
+    (`pose_filter`): robots answer late, and the law would amplify the delay; in the ideal
+    simulator this changes nothing;
 1.  the law at the projection points, with the imprint of the first poses that were read;
 2.  *arena steering*, which is ours and not the paper's: see below;
 3.  the virtual velocity, :math:`w \leftarrow \mathrm{sat}(w + \Delta t\,u)`;
@@ -42,6 +45,7 @@ from posflock_robotarium.law import (
     position_based_input,
     saturate,
 )
+from posflock_robotarium.pose_filter import PoseFilter, PoseFilterParameters
 
 Floats = NDArray[np.float64]
 
@@ -170,8 +174,8 @@ class Flock:
     walls : {"steer", "certificate"}
         Whether the flock is steered away from walls, or the paper's law is left alone with
         the certificate.
-    wheels, steering : WheelParameters, SteeringParameters
-        The robots; how to steer.
+    wheels, steering, filtering : WheelParameters, SteeringParameters, PoseFilterParameters
+        The robots; how to steer; how far tracked poses are believed.
 
     Raises
     ------
@@ -194,6 +198,7 @@ class Flock:
         walls: str = "steer",
         wheels: WheelParameters | None = None,
         steering: SteeringParameters | None = None,
+        filtering: PoseFilterParameters | None = None,
     ) -> None:
         if walls not in WALLS:
             raise ParameterError(f"walls: expected one of {', '.join(WALLS)}; got {walls!r}")
@@ -204,6 +209,7 @@ class Flock:
         self.walls = walls
         self.wheels = wheels or WheelParameters()
         self.steering = steering or SteeringParameters()
+        self.filter = PoseFilter(filtering or PoseFilterParameters(), time_step)
         self.certificate = UnicycleCertificate(
             safety_radius=self.wheels.safety_radius,
             barrier_gain=self.wheels.barrier_gain,
@@ -225,6 +231,7 @@ class Flock:
         self._velocity: Floats | None = None
         self._angle = 0.0
         self._turn = 0.0
+        self.filter.reset()
         self.certificate.reset()
 
     def parameters(self) -> dict[str, Any]:
@@ -235,6 +242,7 @@ class Flock:
             "walls": self.walls,
             "wheels": asdict(self.wheels),
             "steering": asdict(self.steering) if self.walls == "steer" else None,
+            "filtering": asdict(self.filter.parameters),
             "neighbour_radius": self.law.as_dict()["radius"],
             "arena": list(self.wheels.arena),
         }
@@ -266,7 +274,7 @@ class Flock:
         ParameterError
             Where the poses have another shape or a value that is not finite.
         """
-        x = self._checked(poses)
+        x = self.filter.update(self._checked(poses))
         ahead = np.array([np.cos(x[2]), np.sin(x[2])])
         beside = np.array([-ahead[1], ahead[0]])
         d = self.wheels.projection_distance
@@ -297,6 +305,7 @@ class Flock:
         applied, info = self.certificate.project(w / np.maximum(1.0, excess), x)
         self._velocity = applied
         command = np.array([(applied * ahead).sum(axis=0), (applied * beside).sum(axis=0) / d])
+        self.filter.moved(command)
         return FlockStep(
             command=command,
             status=info.status,

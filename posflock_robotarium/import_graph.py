@@ -1,0 +1,329 @@
+"""What a script imports, found without running it: every import, and the files behind it.
+
+The testbed takes one main file and what lies flat beside it, so two questions must be answered
+before an upload: which of a script's imports are the user's own files (or ours), and which are
+libraries that the testbed has or lacks.  :func:`trace` walks all ``import`` statements, also
+those inside functions, and follows into every file that is not part of an installed library
+of the testbed.
+
+Two kinds of import are not followed: those under ``if TYPE_CHECKING``, which never run, and the
+fallbacks in ``except ImportError`` of something that the testbed has, which never run there.
+"""
+
+from __future__ import annotations
+
+import ast
+import importlib.machinery
+import importlib.util
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from posflock_robotarium import testbed
+from posflock_robotarium.errors import PosflockError
+
+_OURS = ("posflock_robotarium", "barrier_certificates")
+
+
+class ScriptError(PosflockError):
+    """A script cannot be read or is not Python."""
+
+
+@dataclass(frozen=True)
+class Import:
+    """One imported module, as written at one place.
+
+    Attributes
+    ----------
+    module : str
+        Absolute dotted name.
+    names : tuple of str
+        What is taken from it, ``("*",)`` for a star, empty for a plain import.
+    line : int
+        Where.
+    guarded : bool
+        Whether an ``except ImportError`` catches its absence.
+    relative : bool
+        Whether it was written with leading dots.
+    """
+
+    module: str
+    names: tuple[str, ...]
+    line: int
+    guarded: bool = False
+    relative: bool = False
+
+    @property
+    def top(self) -> str:
+        """First part of the dotted name."""
+        return self.module.partition(".")[0]
+
+
+@dataclass(frozen=True)
+class Local:
+    """A file of the user's, or of ours, that a script needs beside it.
+
+    Attributes
+    ----------
+    name : str
+        Dotted name under which it is imported.
+    path : Path
+        Where it lies here.
+    is_package : bool
+        Whether it is an ``__init__.py``; a namespace package has no file and is not one.
+    wanted_by, line
+        The file and line of the first import that asked for it.
+    """
+
+    name: str
+    path: Path
+    is_package: bool
+    wanted_by: Path
+    line: int
+
+
+@dataclass(frozen=True)
+class Missing:
+    """An import that finds nothing the testbed has, and no local file either.
+
+    Attributes
+    ----------
+    statement : Import
+        What was asked for.
+    wanted_by : Path
+        By which file.
+    installed_here : bool
+        Whether this machine has it as an installed library.
+    """
+
+    statement: Import
+    wanted_by: Path
+    installed_here: bool
+
+
+@dataclass
+class Trace:
+    """Everything that a script imports.
+
+    Attributes
+    ----------
+    script : Path
+        Where it started.
+    locals : list of Local
+        Files to upload beside the script, in the order in which they were met.
+    libraries : set of str
+        Top-level names that the testbed has.
+    missing : list of Missing
+        What it has not, first mention each; those guarded by ``except ImportError`` are left out.
+    """
+
+    script: Path
+    locals: list[Local] = field(default_factory=list)
+    libraries: set[str] = field(default_factory=set)
+    missing: list[Missing] = field(default_factory=list)
+
+
+def read_source(path: Path) -> str:
+    """Return a Python file's text, decoded as Python would.
+
+    Raises
+    ------
+    ScriptError
+        Where there is no such file, or it cannot be decoded.
+    """
+    try:
+        return importlib.util.decode_source(path.read_bytes())
+    except OSError as error:
+        raise ScriptError(f"{path}: cannot be read ({error.strerror or error})") from error
+    except (SyntaxError, UnicodeDecodeError) as error:
+        raise ScriptError(f"{path}: is not text in the encoding it declares ({error})") from error
+
+
+def parse(path: Path) -> ast.Module:
+    """Return a Python file's syntax tree.
+
+    Raises
+    ------
+    ScriptError
+        Where it cannot be read, or this Python finds a syntax error.
+    """
+    try:
+        return ast.parse(read_source(path), filename=str(path))
+    except (SyntaxError, ValueError) as error:
+        line = getattr(error, "lineno", None)
+        where = f", line {line}" if line else ""
+        raise ScriptError(f"{path}{where}: is not valid Python: {error}") from error
+
+
+def imports(tree: ast.Module, package: str = "") -> list[Import]:
+    """Return the imports that can run on the testbed, in the order of the text.
+
+    Parameters
+    ----------
+    tree : ast.Module
+        Of a file.
+    package : str
+        The package the file belongs to, for relative imports; empty for a script.
+    """
+    return list(_walk(tree.body, package, guarded=False))
+
+
+def trace(script: Path, search: Sequence[Path] = ()) -> Trace:
+    """Follow all imports of `script`.
+
+    Parameters
+    ----------
+    script : Path
+        The main file.
+    search : sequence of Path
+        Folders to look for modules in after the script's own and before ``sys.path``.
+
+    Raises
+    ------
+    ScriptError
+        Where the script, or a file it imports, cannot be read or parsed.
+    """
+    script = Path(script).resolve()
+    folders = [script.parent, *(Path(folder).resolve() for folder in search)]
+    found = Trace(script)
+    seen: set[str] = set()
+    refused: set[str] = set()
+    queue: list[tuple[Path, str]] = [(script, "")]
+    while queue:
+        path, package = queue.pop(0)
+        for statement in imports(parse(path), package):
+            if testbed.is_available(statement.top) and not _beside(statement.top, folders[0]):
+                found.libraries.add(statement.top)
+                continue
+            if statement.top == testbed.STAND_IN:
+                if not statement.guarded and statement.module not in refused:
+                    refused.add(statement.module)
+                    found.missing.append(Missing(statement, path, installed_here=True))
+                continue
+            files = list(_files(statement, folders))
+            if not files and not statement.guarded and statement.top not in refused:
+                refused.add(statement.top)
+                here = _spec(statement.top) is not None
+                found.missing.append(Missing(statement, path, installed_here=here))
+            for name, file, is_package in files:
+                if name in seen:
+                    continue
+                seen.add(name)
+                found.locals.append(Local(name, file, is_package, path, statement.line))
+                queue.append((file, name if is_package else name.rpartition(".")[0]))
+    return found
+
+
+def _walk(body: Sequence[ast.stmt], package: str, guarded: bool) -> Iterator[Import]:
+    for node in body:
+        if isinstance(node, ast.Import):
+            for alias in node.names:
+                yield Import(alias.name, (), node.lineno, guarded)
+        elif isinstance(node, ast.ImportFrom):
+            names = tuple(alias.name for alias in node.names)
+            module = _absolute(node, package)
+            yield Import(module, names, node.lineno, guarded, relative=node.level > 0)
+        elif isinstance(node, ast.If) and _never_runs(node.test):
+            yield from _walk(node.orelse, package, guarded)
+        elif isinstance(node, ast.Try):
+            catches = any(_catches_import_error(handler) for handler in node.handlers)
+            yield from _walk(node.body, package, guarded or catches)
+            if not (catches and _always_there(node.body, package)):
+                for handler in node.handlers:
+                    yield from _walk(handler.body, package, guarded)
+                yield from _walk(node.orelse, package, guarded)
+            else:
+                yield from _walk(node.orelse, package, guarded)
+            yield from _walk(node.finalbody, package, guarded)
+        else:
+            for _, value in ast.iter_fields(node):
+                if isinstance(value, list):
+                    statements = [entry for entry in value if isinstance(entry, ast.stmt)]
+                    yield from _walk(statements, package, guarded)
+                    for entry in value:
+                        if isinstance(entry, ast.match_case):
+                            yield from _walk(entry.body, package, guarded)
+
+
+def _always_there(body: Sequence[ast.stmt], package: str) -> bool:
+    """Whether all that a ``try`` imports is on the testbed, so that its handlers never run."""
+    return all(testbed.is_available(statement.top) for statement in _walk(body, package, True))
+
+
+def _catches_import_error(handler: ast.ExceptHandler) -> bool:
+    if handler.type is None:
+        return True
+    kinds = handler.type.elts if isinstance(handler.type, ast.Tuple) else [handler.type]
+    caught = {kind.id for kind in kinds if isinstance(kind, ast.Name)}
+    return bool(caught & {"ImportError", "ModuleNotFoundError", "Exception", "BaseException"})
+
+
+def _never_runs(test: ast.expr) -> bool:
+    name = test.attr if isinstance(test, ast.Attribute) else getattr(test, "id", "")
+    return name == "TYPE_CHECKING"
+
+
+def _absolute(node: ast.ImportFrom, package: str) -> str:
+    if not node.level:
+        return node.module or ""
+    parts = package.split(".") if package else []
+    base = parts[: len(parts) - (node.level - 1)]
+    return ".".join([*base, *([node.module] if node.module else [])])
+
+
+def _beside(top: str, folder: Path) -> bool:
+    """Whether a file of the user's hides a library of that name."""
+    return (folder / f"{top}.py").is_file()
+
+
+def _files(statement: Import, folders: Sequence[Path]) -> Iterator[tuple[str, Path, bool]]:
+    """Yield the local files that an import runs: packages on the way, the module, submodules."""
+    parts = statement.module.split(".")
+    names = [".".join(parts[: k + 1]) for k in range(len(parts))]
+    names += [f"{statement.module}.{name}" for name in statement.names if name != "*"]
+    if not parts[0]:
+        return
+    where: list[Path] = _homes(parts[0], folders)
+    places: dict[str, list[Path]] = {"": where}
+    for name in names:
+        parent, _, last = name.rpartition(".")
+        for folder in places.get(parent, []):
+            if (folder / last / "__init__.py").is_file():
+                yield name, folder / last / "__init__.py", True
+                places[name] = [folder / last]
+                break
+            if (folder / f"{last}.py").is_file():
+                yield name, folder / f"{last}.py", False
+                break
+            if (folder / last).is_dir() and any((folder / last).glob("*.py")):
+                places[name] = [folder / last]
+                break
+
+
+def _homes(top: str, folders: Sequence[Path]) -> list[Path]:
+    """Return the folders in which a top-level module may be taken for the user's own file."""
+    homes = list(folders)
+    if top in _OURS or not _is_installed(top):
+        spec = _spec(top)
+        if spec is not None and spec.origin and spec.origin.endswith(".py"):
+            file = Path(spec.origin)
+            homes.append(file.parent.parent if file.name == "__init__.py" else file.parent)
+    return homes
+
+
+def _is_installed(top: str) -> bool:
+    """Whether a module comes from an installed library rather than from somebody's folder."""
+    spec = _spec(top)
+    if spec is None or spec.origin is None or not spec.origin.endswith(".py"):
+        return spec is not None
+    return bool({"site-packages", "dist-packages"} & set(Path(spec.origin).parts))
+
+
+def _spec(top: str) -> importlib.machinery.ModuleSpec | None:
+    if top in sys.builtin_module_names:
+        return None
+    try:
+        return importlib.util.find_spec(top)
+    except (ImportError, ValueError):
+        return None

@@ -1,0 +1,103 @@
+"""Values that can be read off a source: numbers, strings, paths, and names bound once to them."""
+
+from __future__ import annotations
+
+import ast
+import operator
+from pathlib import PurePosixPath
+from typing import Any
+
+_OPERATORS = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.FloorDiv: operator.floordiv,
+    ast.Mod: operator.mod,
+}
+
+
+def constants_of(tree: ast.Module) -> dict[str, Any]:
+    """Return every name that is bound exactly once, to a value that can be read off."""
+    bound: dict[str, list[ast.expr | None]] = {}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Assign) and len(node.targets) == 1:
+            target = node.targets[0]
+            if isinstance(target, ast.Name):
+                bound.setdefault(target.id, []).append(node.value)
+                continue
+        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.value:
+            bound.setdefault(node.target.id, []).append(node.value)
+        elif isinstance(node, ast.arg):
+            bound.setdefault(node.arg, []).append(None)
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            # Targets of plain assignments come here as well, once each.
+            bound.setdefault(node.id, [])
+            if not _is_plain_target(tree, node):
+                bound[node.id].append(None)
+    known: dict[str, Any] = {}
+    while True:
+        before = len(known)
+        for name, values in bound.items():
+            if name not in known and len(values) == 1 and values[0] is not None:
+                value = constant(values[0], known)
+                if value is not None:
+                    known[name] = value
+        if len(known) == before:
+            return known
+
+
+def constant(node: ast.expr, names: dict[str, Any]) -> Any:
+    """Return the value of an expression of constants and known names, or None."""
+    if isinstance(node, ast.Constant):
+        return node.value
+    if isinstance(node, ast.Name):
+        return names.get(node.id)
+    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
+        value = constant(node.operand, names)
+        return -value if isinstance(value, (int, float)) else None
+    if isinstance(node, ast.BinOp):
+        left, right = constant(node.left, names), constant(node.right, names)
+        apply = _OPERATORS.get(type(node.op))
+        if left is None or right is None or apply is None:
+            return None
+        try:
+            return apply(left, right)
+        except (TypeError, ValueError, ArithmeticError):
+            return None
+    if isinstance(node, ast.JoinedStr):
+        parts = [
+            constant(part.value, names)
+            if isinstance(part, ast.FormattedValue)
+            else constant(part, names)
+            for part in node.values
+        ]
+        return None if any(part is None for part in parts) else "".join(map(str, parts))
+    if isinstance(node, ast.Call) and not node.keywords:
+        return _path(node, names)
+    return None
+
+
+def _path(call: ast.Call, names: dict[str, Any]) -> Any:
+    """``Path("a", "b")`` and ``os.path.join("a", "b")``."""
+    func = call.func
+    name = func.attr if isinstance(func, ast.Attribute) else getattr(func, "id", "")
+    if name not in ("Path", "PurePath", "join"):
+        return None
+    parts = [constant(argument, names) for argument in call.args]
+    if not parts or not all(isinstance(part, (str, PurePosixPath)) for part in parts):
+        return None
+    return PurePosixPath(*parts)
+
+
+def _is_plain_target(tree: ast.Module, name: ast.Name) -> bool:
+    cache: set[int] | None = getattr(tree, "_plain_targets", None)
+    if cache is None:
+        cache = {
+            id(node.targets[0])
+            for node in ast.walk(tree)
+            if isinstance(node, ast.Assign) and len(node.targets) == 1
+        }
+        cache |= {id(node.target) for node in ast.walk(tree) if isinstance(node, ast.AnnAssign)}
+        tree._plain_targets = cache  # type: ignore[attr-defined]
+    return id(name) in cache

@@ -1,0 +1,171 @@
+"""What verify has to say: findings, each one reason in plain words, and their sum, the verdict.
+
+A :class:`Finding` says what is wrong, where (a line of the source, or a time, robots and a
+figure of a run), how bad that is, and what to do about it.  Its ``code`` is stable, for programs;
+:data:`CODES` lists them all.
+"""
+
+from __future__ import annotations
+
+import enum
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+
+class Verdict(enum.IntEnum):
+    """How bad; a note is worth knowing and costs nothing."""
+
+    NOTE = 0
+    PASS = 1
+    RISK = 2
+    FAIL = 3
+
+
+#: Every code, and what it is about.
+CODES = {
+    # Seen in the source.
+    "syntax": "not valid Python",
+    "newer-python": "syntax or a library feature newer than the testbed's Python 3.10",
+    "removed-from-numpy": "a name that the testbed's numpy no longer has",
+    "library-absent": "imports a library that the testbed has not",
+    "module-missing": "imports a file that is not there",
+    "local-module": "imports a file that must be uploaded too",
+    "stand-in": "imports the local stand-in for the simulator",
+    "shadowed-name": "a file hides a module of Python or of the testbed",
+    "generation": "uses names of another generation of the API",
+    "too-many-robots": "asks for more robots than there are",
+    "blocking-call": "waits for somebody",
+    "slow-sleep": "sleeps longer than a time step in its loop",
+    "no-finishing-call": "never calls debug() or call_at_scripts_end()",
+    "save-at-end": "saves data only after its loop",
+    "file-missing": "reads a file that is not there",
+    "file-ending": "reads a file whose ending may not be uploaded",
+    "file-in-folder": "reads a file from a folder, but uploads are flat",
+    # Seen in runs.
+    "crash": "ends with an error",
+    "exit-code": "ends with an exit code that says failure",
+    "no-step": "never drives a robot",
+    "collision": "robots come too close",
+    "boundary": "robots leave the arena",
+    "actuator": "commands exceed the wheels' limit",
+    "close-start": "initial conditions closer than two robots may stand",
+    "unreachable-start": "initial conditions that cannot be driven to",
+    "slow-loop": "its loop is slower than a time step",
+    "watchdog": "leaves robots without a command so long that they brake",
+    "duration": "takes longer than declared, or than any run may",
+    "endless": "does not end by itself",
+    "data-lost": "loses data when it is interrupted",
+    "hang": "stops stepping",
+    "fork": "starts other processes",
+    "memory": "needs more memory than allowed",
+    "outside-write": "writes outside its own folder",
+    "network": "uses the network",
+    "internal": "the verifier itself could not do something",
+}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing worth knowing before a submission.
+
+    Attributes
+    ----------
+    code : str
+        A key of :data:`CODES`.
+    verdict : Verdict
+        How bad.
+    message : str
+        What was seen, in words.
+    advice : str
+        What to do about it.
+    line : int, optional
+        Line of the source, from 1.
+    file : str
+        Its file, where that is not the script.
+    time : float, optional
+        Seconds into the run.
+    robots : tuple of int
+        Whom it concerns.
+    figure : float, optional
+        The number behind it, in `unit`.
+    unit : str
+        Of `figure`.
+    trials : (int, int), optional
+        In how many of how many trials.
+    interval : (float, float), optional
+        95 % confidence interval of the proportion of runs.
+    """
+
+    code: str
+    verdict: Verdict
+    message: str
+    advice: str = ""
+    line: int | None = None
+    file: str = ""
+    time: float | None = None
+    robots: tuple[int, ...] = ()
+    figure: float | None = None
+    unit: str = ""
+    trials: tuple[int, int] | None = None
+    interval: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        if self.code not in CODES:
+            raise ValueError(f"unknown code {self.code!r}")
+
+    @property
+    def where(self) -> str:
+        """Place and time in few words, such as ``line 12`` or ``t = 31.2 s, robots 3, 7``."""
+        parts = []
+        if self.line is not None:
+            parts.append(f"{self.file}:{self.line}" if self.file else f"line {self.line}")
+        elif self.file:
+            parts.append(self.file)
+        if self.time is not None:
+            parts.append(f"t = {self.time:.1f} s")
+        if self.robots:
+            parts.append(
+                ("robot " if len(self.robots) == 1 else "robots ")
+                + ", ".join(str(robot) for robot in self.robots)
+            )
+        return ", ".join(parts)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return what ``verify.json`` holds of it."""
+        return {
+            "code": self.code,
+            "verdict": self.verdict.name,
+            "message": self.message,
+            "advice": self.advice,
+            "line": self.line,
+            "file": self.file or None,
+            "time": self.time,
+            "robots": list(self.robots),
+            "figure": self.figure,
+            "unit": self.unit or None,
+            "trials": list(self.trials) if self.trials else None,
+            "interval": list(self.interval) if self.interval else None,
+        }
+
+
+def verdict_of(findings: Iterable[Finding]) -> Verdict:
+    """Return the worst of `findings`, PASS where nothing is worse than a note."""
+    return max([Verdict.PASS, *(finding.verdict for finding in findings)])
+
+
+def wilson_interval(successes: int, trials: int, z: float = 1.959964) -> tuple[float, float]:
+    """Return Wilson's score interval of a proportion, 95 % by default.
+
+    Unlike the textbook ± it stays inside [0, 1] and says something after 0 of n: up to
+    z²/(n + z²), which is 16 % after 0 of 20.  Wilson, J. Am. Stat. Assoc. 22 (1927) 209.
+    """
+    if trials < 1 or not 0 <= successes <= trials:
+        raise ValueError(f"expected 0 ≤ successes ≤ trials ≥ 1, got {successes} of {trials}")
+    share, spread = successes / trials, z * z / trials
+    centre = (share + spread / 2) / (1 + spread)
+    half = z * math.sqrt(share * (1 - share) / trials + spread / (4 * trials)) / (1 + spread)
+    low = 0.0 if successes == 0 else centre - half
+    high = 1.0 if successes == trials else centre + half
+    return max(0.0, low), min(1.0, high)

@@ -1,0 +1,207 @@
+"""What a newer Python accepts and the testbed's Python 3.10 does not.
+
+``ast.parse(feature_version=(3, 10))`` refuses new statements (``except*``, ``type``, type
+parameters).  It says itself that this is "best effort": f-strings of 3.12, stars in subscripts
+and the library are ours to look at.  Where a Python 3.10 is installed, :func:`compiled_by_310`
+asks it, which settles the syntax.
+"""
+
+from __future__ import annotations
+
+import ast
+import io
+import subprocess
+import sys
+import token
+import tokenize
+from collections.abc import Iterator
+
+from posflock_robotarium import testbed
+
+#: Modules and names of the standard library that came after 3.10.
+NEWER_MODULES = {"tomllib": "3.11", "annotationlib": "3.14", "compression": "3.14"}
+NEWER_NAMES = {
+    "typing": "Self LiteralString Never assert_never assert_type reveal_type Required NotRequired"
+    " Unpack TypeVarTuple dataclass_transform override TypeAliasType get_protocol_members"
+    " is_protocol NoDefault ReadOnly TypeIs clear_overloads get_overloads",
+    "itertools": "batched",
+    "math": "cbrt exp2 sumprod fma",
+    "datetime": "UTC",
+    "enum": "StrEnum ReprEnum EnumCheck FlagBoundary global_enum member nonmember property"
+    " show_flag_values verify",
+    "contextlib": "chdir",
+    "hashlib": "file_digest",
+    "asyncio": "TaskGroup Runner timeout timeout_at Barrier",
+    "random": "binomialvariate",
+    "operator": "call is_none is_not_none",
+    "inspect": "getmembers_static",
+    "copy": "replace",
+    "functools": "Placeholder",
+    "statistics": "kde kde_random",
+    "collections.abc": "Buffer",
+    "warnings": "deprecated",
+    "string": "templatelib",
+}
+NEWER_BUILTINS = frozenset(["ExceptionGroup", "BaseExceptionGroup", "PythonFinalizationError"])
+
+#: Names that numpy 2 no longer has → what to write.
+REMOVED_FROM_NUMPY = {
+    "float_": "float64",
+    "complex_": "complex128",
+    "unicode_": "str_",
+    "string_": "bytes_",
+    "Inf": "inf",
+    "Infinity": "inf",
+    "infty": "inf",
+    "PINF": "inf",
+    "NINF": "-np.inf",
+    "NaN": "nan",
+    "NAN": "nan",
+    "PZERO": "0.0",
+    "NZERO": "-0.0",
+    "product": "prod",
+    "cumproduct": "cumprod",
+    "sometrue": "any",
+    "alltrue": "all",
+    "float": "float, Python's own",
+    "int": "int, Python's own",
+    "object": "object, Python's own",
+    "str": "str, Python's own",
+    "complex": "complex, Python's own",
+    "bool8": "bool_",
+    "int0": "intp",
+    "uint0": "uintp",
+    "asfarray": "asarray(…, dtype=float)",
+    "find_common_type": "result_type",
+    "cast": "asarray(…, dtype=…)",
+    "source": "inspect.getsource",
+    "lookfor": "the documentation",
+    "who": "dir()",
+    "msort": "sort(…, axis=0)",
+    "asscalar": "array.item()",
+    "mat": "asmatrix",
+    "recfromcsv": "genfromtxt",
+    "recfromtxt": "genfromtxt",
+    "safe_eval": "ast.literal_eval",
+    "issubclass_": "issubclass",
+    "set_string_function": "set_printoptions",
+}
+
+
+def newer_syntax(source: str) -> tuple[int, str] | None:
+    """Return line and reason of the first syntax that Python 3.10 refuses; None if none.
+
+    `source` must be valid for the Python that runs this.
+    """
+    try:
+        tree = ast.parse(source, feature_version=testbed.PYTHON)
+    except SyntaxError as error:
+        return error.lineno or 1, error.msg
+    found = [*_starred_subscripts(tree), *_newer_fstrings(source)]
+    if found:
+        return min(found)
+    return _asked_of_310(source)
+
+
+def newer_library(tree: ast.Module) -> Iterator[tuple[int, str]]:
+    """Yield line and reason of every feature of the standard library newer than 3.10."""
+    modules: dict[str, str] = {}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            for alias in node.names:
+                modules[alias.asname or alias.name] = alias.name
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and not node.level:
+            for alias in node.names:
+                if alias.name in NEWER_NAMES.get(node.module or "", "").split():
+                    yield node.lineno, f"{node.module}.{alias.name}"
+        elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+            module = modules.get(node.value.id, "")
+            if node.attr in NEWER_NAMES.get(module, "").split():
+                yield node.lineno, f"{module}.{node.attr}"
+        elif isinstance(node, ast.Name) and node.id in NEWER_BUILTINS:
+            yield node.lineno, node.id
+
+
+def removed_from_numpy(tree: ast.Module) -> Iterator[tuple[int, str, str]]:
+    """Yield line, name and replacement of every use of what numpy 2 has removed."""
+    aliases = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            aliases |= {a.asname or a.name for a in node.names if a.name == "numpy"}
+        elif isinstance(node, ast.ImportFrom) and node.module == "numpy" and not node.level:
+            for alias in node.names:
+                if alias.name in REMOVED_FROM_NUMPY:
+                    yield node.lineno, alias.name, REMOVED_FROM_NUMPY[alias.name]
+    for node in ast.walk(tree):
+        if (
+            isinstance(node, ast.Attribute)
+            and isinstance(node.value, ast.Name)
+            and node.value.id in aliases
+            and node.attr in REMOVED_FROM_NUMPY
+        ):
+            yield node.lineno, node.attr, REMOVED_FROM_NUMPY[node.attr]
+
+
+def _starred_subscripts(tree: ast.Module) -> Iterator[tuple[int, str]]:
+    """``a[*b]`` is 3.11; ``a[(*b,)]`` has the same tree, but starts a column later."""
+    for node in ast.walk(tree):
+        if (
+            isinstance(node, ast.Subscript)
+            and isinstance(node.slice, ast.Tuple)
+            and any(isinstance(entry, ast.Starred) for entry in node.slice.elts)
+            and node.slice.col_offset == node.slice.elts[0].col_offset
+            and node.slice.lineno == node.slice.elts[0].lineno
+        ):
+            yield node.lineno, "a star in a subscript is Python 3.11"
+
+
+def _newer_fstrings(source: str) -> Iterator[tuple[int, str]]:
+    """Before 3.12 an f-string's fields could hold neither its own quote, nor \\, nor #."""
+    if sys.version_info < (3, 12):
+        return  # this Python would not have parsed them
+    open_quotes: list[str] = []
+    reason = "in an f-string field is Python 3.12"
+    try:
+        for piece in tokenize.generate_tokens(io.StringIO(source).readline):
+            kind = token.tok_name[piece.type]
+            if kind == "FSTRING_START":
+                quote = piece.string.lstrip("rRfFbBuU")
+                if any(outer[0] == quote[0] and len(outer) <= len(quote) for outer in open_quotes):
+                    yield piece.start[0], f"the same quote {reason}"
+                open_quotes.append(quote)
+            elif kind == "FSTRING_END":
+                open_quotes.pop()
+            elif open_quotes and kind == "STRING":
+                inner = piece.string.lstrip("rRfFbBuU")
+                if any(outer in inner for outer in open_quotes):
+                    yield piece.start[0], f"the same quote {reason}"
+                elif "\\" in piece.string:
+                    yield piece.start[0], f"a backslash {reason}"
+            elif open_quotes and kind == "COMMENT":
+                yield piece.start[0], f"a comment {reason}"
+    except (tokenize.TokenError, IndentationError):
+        return
+
+
+def _asked_of_310(source: str) -> tuple[int, str] | None:
+    """Ask a Python 3.10 on this machine to compile `source`, where there is one."""
+    from posflock_robotarium.interpreters import find_python
+
+    python = find_python(testbed.PYTHON)
+    if python is None or sys.version_info[:2] == testbed.PYTHON:
+        return None
+    program = (
+        "import sys\n"
+        "try:\n    compile(sys.stdin.buffer.read(), 'script', 'exec', dont_inherit=True)\n"
+        "except SyntaxError as error:\n    print(error.lineno or 1, error.msg)\n"
+    )
+    answer = subprocess.run(
+        [str(python), "-I", "-S", "-W", "ignore", "-c", program],
+        input=source.encode(),
+        capture_output=True,
+        timeout=20,
+        check=False,
+    ).stdout.decode(errors="replace")
+    line, _, reason = answer.strip().partition(" ")
+    return (int(line), reason) if line.isdigit() else None

@@ -1,0 +1,186 @@
+"""Where trials are born and watched: a process that forks one child a trial.
+
+``python -m posflock_robotarium.verify.nursery`` reads one JSON request on its standard input,
+imports once what every trial needs, forks the trials, so many at a time, and writes one JSON line
+a finished trial.  Being a process of its own, whatever a script does to it does not reach the
+verifier.  A trial is killed, with everything it started in its process group, when it has not
+stepped for too long, or has used up its time.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import faulthandler
+import importlib
+import json
+import mmap
+import os
+import re
+import signal
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from posflock_robotarium.verify.trial import (
+    Outcome,
+    TrialPlan,
+    open_pulse,
+    read_pulse,
+    run_trial,
+)
+
+
+@dataclass
+class _Child:
+    pid: int
+    plan: TrialPlan
+    pulse: mmap.mmap
+    started: float
+    asked: bool = False
+
+
+def serve(request: dict[str, Any]) -> None:
+    """Run all trials of `request`; see :mod:`posflock_robotarium.verify.trials` for its fields."""
+    for name in request["preload"]:
+        with contextlib.suppress(Exception):
+            importlib.import_module(name)
+    waiting = [TrialPlan(**plan) for plan in request["plans"]]
+    children: list[_Child] = []
+    while waiting or children:
+        while waiting and len(children) < request["jobs"]:
+            children.append(_fork(waiting.pop(0)))
+        time.sleep(0.01)
+        for child in list(children):
+            why = _overdue(child, request["stall"], request["seconds"])
+            pid, status = os.waitpid(child.pid, os.WNOHANG)
+            if pid == 0 and why is None:
+                continue
+            if pid == 0:
+                _kill(child)
+                _, status = os.waitpid(child.pid, 0)
+            children.remove(child)
+            left = _survivors(child)
+            print(json.dumps(_outcome(child, status, why, left)), flush=True)
+
+
+def _fork(plan: TrialPlan) -> _Child:
+    results = Path(plan.results)
+    pulse = open_pulse(results)
+    pid = os.fork()
+    if pid == 0:
+        os.setpgid(0, 0)
+        with open(results / "where.txt", "w") as where:
+            faulthandler.register(signal.SIGUSR1, where, all_threads=False)
+            run_trial(plan)
+        os._exit(0)
+    with contextlib.suppress(OSError):
+        os.setpgid(pid, pid)
+    return _Child(pid, plan, pulse, time.time())
+
+
+def _overdue(child: _Child, stall: float, seconds: float) -> str | None:
+    """Say why a child must be ended now, if so."""
+    now = time.time()
+    _, _, written = read_pulse(child.pulse)
+    if now - max(written, child.started) > stall:
+        return "stall"
+    return "seconds" if now - child.started > seconds else None
+
+
+def _kill(child: _Child) -> None:
+    """Ask the child where it is, then end it and its process group."""
+    with contextlib.suppress(ProcessLookupError):
+        os.kill(child.pid, signal.SIGUSR1)
+        time.sleep(0.1)
+    with contextlib.suppress(ProcessLookupError, PermissionError):
+        os.killpg(child.pid, signal.SIGKILL)
+
+
+def _survivors(child: _Child) -> bool:
+    """End what the trial left running in its process group; say whether there was any."""
+    try:
+        os.killpg(child.pid, signal.SIGKILL)
+    except (ProcessLookupError, PermissionError):
+        return False
+    return True
+
+
+def _outcome(child: _Child, status: int, why: str | None, left: bool) -> dict[str, Any]:
+    plan, results = child.plan, Path(child.plan.results)
+    try:
+        said: dict[str, Any] = json.loads((results / "outcome.json").read_text())
+    except (OSError, ValueError):
+        said = _obituary(child, status, why)
+    if why is not None and said["ended"] in ("finished", "died"):
+        said["ended"] = "hung"
+    deeds = results / "deeds.jsonl"
+    if deeds.exists():
+        said["deeds"] = [json.loads(line) for line in deeds.read_text().splitlines()]
+        for deed in said["deeds"]:
+            deed["time"] = deed.pop("step") * said["time_step"]
+    if left:
+        said["deeds"].append(
+            {"kind": "fork", "what": "left processes running", "line": None, "file": "", "time": 0}
+        )
+    said["said"] = _tail(results / "said.txt")
+    said["files"] = _files(Path(plan.scratch), plan.script)
+    return said
+
+
+def _obituary(child: _Child, status: int, why: str | None) -> dict[str, Any]:
+    """Say what is known of a trial that could not speak for itself."""
+    from dataclasses import asdict
+
+    steps, t, _ = read_pulse(child.pulse)
+    outcome = Outcome(child.plan.name, steps=steps, time=t, clock=t, seed=child.plan.seed)
+    outcome.generation = child.plan.generation
+    outcome.profile = child.plan.profile.get("name", "ideal")
+    number = os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0
+    if child.plan.kill_at is not None and number == signal.SIGKILL and why is None:
+        outcome.ended = "killed"
+    elif why is not None:
+        outcome.ended = "hung"
+        outcome.error = _where(child)
+    else:
+        name = signal.Signals(number).name if number else f"exit code {os.WEXITSTATUS(status)}"
+        outcome.ended = "died"
+        outcome.error = {"type": name, "message": f"the process ended by {name}"}
+    return asdict(outcome)
+
+
+def _where(child: _Child) -> dict[str, Any]:
+    """Find the script's line in what faulthandler wrote when the child was asked."""
+    out: dict[str, Any] = {"type": "", "message": "no step", "line": None, "file": ""}
+    with contextlib.suppress(OSError):
+        text = (Path(child.plan.results) / "where.txt").read_text(errors="replace")
+        scratch = os.path.realpath(child.plan.scratch)
+        for file, line in re.findall(r'File "(.+?)", line (\d+)', text):
+            if file.startswith(scratch):
+                out |= {"line": int(line), "file": os.path.basename(file)}
+                out["lines"] = [[int(line), os.path.basename(file)]]
+                break
+    return out
+
+
+def _tail(path: Path, size: int = 4000) -> str:
+    try:
+        with open(path, "rb") as file:
+            file.seek(max(0, path.stat().st_size - size))
+            return file.read().decode(errors="replace")
+    except OSError:
+        return ""
+
+
+def _files(scratch: Path, script: str) -> dict[str, int]:
+    """Return the sizes of the files in a scratch folder."""
+    return {
+        str(path.relative_to(scratch)): path.stat().st_size
+        for path in sorted(scratch.rglob("*"))
+        if path.is_file() and "__pycache__" not in path.parts
+    }
+
+
+if __name__ == "__main__":
+    serve(json.load(sys.stdin))

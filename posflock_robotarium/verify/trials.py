@@ -1,0 +1,231 @@
+"""Plan the trials of a script, have them run, hand back what became of them."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from posflock_robotarium import testbed
+from posflock_robotarium.verify.static import Source, files_read
+from posflock_robotarium.verify.trial import Outcome, TrialPlan
+from rps_compat.profiles import profile_to_dict
+from rps_compat.realism import Profile
+
+_PRELOAD = {
+    "numpy": ["numpy"],
+    "scipy": ["scipy.optimize", "scipy.linalg", "scipy.sparse", "scipy.spatial", "scipy.special"],
+    "matplotlib": ["matplotlib.pyplot", "matplotlib.patches"],
+    "cvxopt": ["cvxopt"],
+    "networkx": ["networkx"],
+}
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a trial may use.
+
+    Attributes
+    ----------
+    jobs : int
+        Trials at a time.
+    stall : float
+        Seconds without a step after which a trial hangs.
+    seconds : float
+        Longest trial, wall clock.
+    memory : int
+        Bytes that it may allocate.
+    """
+
+    jobs: int = max(1, os.cpu_count() or 1)
+    stall: float = 20.0
+    seconds: float = 300.0
+    memory: int = 2 << 30
+
+
+@dataclass
+class Ran:
+    """A trial and what became of it.
+
+    Attributes
+    ----------
+    outcome : Outcome
+        As the trial or its supervisor tells it.
+    scratch : Path
+        Its working folder, as it was left.
+    data : dict
+        Of each file that the trial wrote or changed: whether it can be read, and how many values
+        it holds.
+    """
+
+    outcome: Outcome
+    scratch: Path
+    data: dict[str, Readable]
+
+
+@dataclass(frozen=True)
+class Readable:
+    """Whether a data file can be read back, and how much is in it."""
+
+    size: int
+    readable: bool
+    values: int
+
+
+class TrialRoom:
+    """A temporary folder in which trials of one script run; use it in a ``with`` block.
+
+    Parameters
+    ----------
+    source : Source
+        The script.
+    generation : int
+        Of the API to run it under.
+    limits : Limits
+        What each trial may use.
+    """
+
+    def __init__(self, source: Source, generation: int, limits: Limits) -> None:
+        self.source = source
+        self.generation = generation
+        self.limits = limits
+        self._folder = Path(tempfile.mkdtemp(prefix="posflock-verify-"))
+        self._given: dict[str, int] = {}
+
+    def __enter__(self) -> TrialRoom:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def plan(self, name: str, profile: Profile | None = None, **settings: Any) -> TrialPlan:
+        """Return the plan of a trial, with the script and its files laid into its own folder."""
+        scratch, results = self._folder / name / "scratch", self._folder / name / "results"
+        scratch.mkdir(parents=True)
+        results.mkdir()
+        lay_out(self.source, scratch)
+        return TrialPlan(
+            name=name,
+            script=self.source.path.name,
+            scratch=str(scratch),
+            results=str(results),
+            path=tuple(str(Path(folder).resolve()) for folder in self.source.search),
+            generation=self.generation,
+            profile={} if profile is None or not profile.effects else profile_to_dict(profile),
+            memory=self.limits.memory,
+            **settings,
+        )
+
+    def run(
+        self, plans: Sequence[TrialPlan], tell: Callable[[Outcome], None] | None = None
+    ) -> list[Ran]:
+        """Run the trials, several at a time, and return them in the order of `plans`."""
+        preload = [m for top in sorted(self.source.trace.libraries) for m in _PRELOAD.get(top, [])]
+        request = {
+            "preload": [*preload, "matplotlib.pyplot", f"rps_compat.v{self.generation}.robotarium"],
+            "plans": [asdict(plan) for plan in plans],
+            "jobs": self.limits.jobs,
+            "stall": self.limits.stall,
+            "seconds": self.limits.seconds,
+        }
+        environment = os.environ | {
+            "MPLBACKEND": "Agg",
+            "OPENBLAS_NUM_THREADS": "1",
+            "OMP_NUM_THREADS": "1",
+            "PYTHONBREAKPOINT": "0",
+            "PYTHONDONTWRITEBYTECODE": "1",
+        }
+        nursery = subprocess.Popen(
+            [sys.executable, "-m", "posflock_robotarium.verify.nursery"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            env=environment,
+            cwd=self._folder,
+            text=True,
+        )
+        found: dict[str, Outcome] = {}
+        with nursery:
+            assert nursery.stdin is not None
+            assert nursery.stdout is not None
+            nursery.stdin.write(json.dumps(request))
+            nursery.stdin.close()
+            try:
+                for line in nursery.stdout:
+                    outcome = Outcome(**json.loads(line))
+                    found[outcome.name] = outcome
+                    if tell is not None:
+                        tell(outcome)
+            finally:
+                nursery.terminate()
+        lost = Outcome("", ended="died", error={"type": "nursery", "message": "no answer"})
+        return [self._ran(plan, found.get(plan.name, lost)) for plan in plans]
+
+    def _ran(self, plan: TrialPlan, outcome: Outcome) -> Ran:
+        scratch = Path(plan.scratch)
+        given = {path.name for path in self.source.path.parent.iterdir() if path.is_file()}
+        data = {
+            name: read_back(scratch / name)
+            for name in outcome.files
+            if name not in given and not name.endswith((".py", ".pyc"))
+        }
+        return Ran(outcome, scratch, data)
+
+
+def lay_out(source: Source, scratch: Path) -> None:
+    """Copy the script, its local modules and the data beside it into `scratch`."""
+    home = source.path.resolve().parent
+    shutil.copyfile(source.path, scratch / source.path.name)
+    for local in source.trace.locals:
+        if local.path.is_relative_to(home):
+            target = scratch / local.path.relative_to(home)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(local.path, target)
+    wanted = {home / path for _, path in files_read(source)}
+    data = (e for e in testbed.ENDINGS if e != ".py")
+    wanted |= {path for ending in data for path in home.glob(f"*{ending}")}
+    for path in wanted:
+        target = scratch / path.name
+        if path.is_file() and path.parent == home and path.stat().st_size < 50e6:
+            shutil.copyfile(path, target)
+
+
+def read_back(path: Path) -> Readable:
+    """Open a data file as its reader would, and count what is in it."""
+    size = path.stat().st_size
+    try:
+        return Readable(size, *_content(path))
+    except Exception:
+        return Readable(size, False, 0)
+
+
+def _content(path: Path) -> tuple[bool, int]:
+    ending = path.suffix.lower()
+    if ending == ".npy":
+        rows = np.load(path, mmap_mode="r", allow_pickle=False)
+        if rows.dtype.names and "t" in rows.dtype.names:  # a pose log: rows not reached are NaN
+            reached = int(np.sum(~np.isnan(rows["t"])))
+            return reached > 0, reached
+        return True, rows.size
+    if ending == ".npz":
+        with np.load(path, allow_pickle=False) as arrays:
+            return True, sum(arrays[name].size for name in arrays)
+    if ending == ".mat":
+        from scipy.io import loadmat
+
+        return True, sum(np.size(value) for value in loadmat(path).values())
+    if ending == ".json":
+        json.loads(path.read_text())
+        return True, path.stat().st_size
+    if ending in (".txt", ".csv", ".dat", ".log"):
+        return bool(path.read_text().strip()), len(path.read_text().splitlines())
+    return path.stat().st_size > 0, path.stat().st_size

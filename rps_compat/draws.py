@@ -1,0 +1,135 @@
+"""Numbers that differ from robot to robot, or with speed: what realism profiles are made of.
+
+A :class:`Draw` is a parameter that every robot gets its own value of, once a run: one constant
+for all, uniform between two bounds, normal with an optional cut, or a list with one value a
+robot. A :class:`Curve` is a factor that depends on how fast the robot is told to go.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rps_compat.errors import RobotariumError
+
+Array = NDArray[np.float64]
+
+
+class ProfileError(RobotariumError, ValueError):
+    """A realism profile is not what it should be; the message names the entry and the way out."""
+
+
+def require(condition: bool, name: str, got: object, expected: str) -> None:
+    """Raise ProfileError, naming the entry, unless `condition`."""
+    if not condition:
+        raise ProfileError(f"{name}: expected {expected}, got {got!r}")
+
+
+@dataclass(frozen=True)
+class Draw:
+    """One value a robot, drawn at the start of a run.
+
+    Attributes
+    ----------
+    kind : str
+        ``constant``, ``uniform``, ``normal`` or ``robots``.
+    values : tuple of float
+        The constant; low and high; mean and standard deviation; one value a robot.
+    limit : float
+        Largest distance of a normal value from its mean.
+    """
+
+    kind: str
+    values: tuple[float, ...]
+    limit: float = np.inf
+
+    def __post_init__(self) -> None:
+        sizes = {"constant": 1, "uniform": 2, "normal": 2, "robots": len(self.values)}
+        require(self.kind in sizes, "kind", self.kind, ", ".join(sizes))
+        require(
+            len(self.values) == sizes[self.kind] and len(self.values) > 0,
+            self.kind,
+            self.values,
+            f"{max(sizes[self.kind], 1)} number(s)",
+        )
+        require(bool(np.isfinite(self.values).all()), self.kind, self.values, "finite numbers")
+        if self.kind == "uniform":
+            require(self.values[0] <= self.values[1], "uniform", self.values, "[low, high]")
+        if self.kind == "normal":
+            require(self.values[1] >= 0, "normal", self.values, "[mean, sigma] with sigma ≥ 0")
+        require(self.limit > 0, "limit", self.limit, "more than 0")
+
+    def draw(self, robots: int, rng: np.random.Generator) -> Array:
+        """Return one value a robot, (N,).
+
+        Raises
+        ------
+        ProfileError
+            Where the profile lists another number of robots than the run has.
+        """
+        if self.kind == "constant":
+            return np.full(robots, self.values[0])
+        if self.kind == "uniform":
+            return rng.uniform(self.values[0], self.values[1], robots)
+        if self.kind == "robots":
+            if len(self.values) != robots:
+                raise ProfileError(
+                    f"the profile lists values of {len(self.values)} robots, but the run has"
+                    f" {robots}; list {robots}, or give a distribution such as"
+                    " { uniform = [low, high] }"
+                )
+            return np.array(self.values)
+        mean, sigma = self.values
+        out = rng.normal(mean, sigma, robots)
+        beyond = np.abs(out - mean) > self.limit
+        while beyond.any():
+            out[beyond] = rng.normal(mean, sigma, int(beyond.sum()))
+            beyond = np.abs(out - mean) > self.limit
+        return out
+
+    def require_at_least(self, least: float, name: str) -> None:
+        """Raise ProfileError where a value below `least` could be drawn (a normal's 3 σ)."""
+        low = min(self.values)
+        if self.kind == "normal":
+            low = self.values[0] - min(3 * self.values[1], self.limit)
+        require(low >= least, name, self.values, f"values of at least {least:g}")
+
+
+def constant(value: float) -> Draw:
+    """Return a draw that is `value` for every robot."""
+    return Draw("constant", (value,))
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A factor that depends on a speed: linear between points, constant beyond; empty is 1.
+
+    Attributes
+    ----------
+    points : tuple of (speed, factor)
+        Speeds rising.
+    """
+
+    points: tuple[tuple[float, float], ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.points:
+            return
+        speeds, factors = np.array(self.points).T
+        require(bool((np.diff(speeds) > 0).all()), "curve", self.points, "rising speeds")
+        require(bool((factors > 0).all()), "curve", self.points, "factors above 0")
+        require(bool(np.isfinite(self.points).all()), "curve", self.points, "finite numbers")
+
+    @property
+    def largest(self) -> float:
+        """Largest factor."""
+        return max((factor for _, factor in self.points), default=1.0)
+
+    def __call__(self, speeds: Array) -> Array | float:
+        """Return the factor at `speeds` (N,) ≥ 0."""
+        if not self.points:
+            return 1.0
+        at, factors = zip(*self.points, strict=True)
+        return np.interp(speeds, at, factors)
