@@ -256,4 +256,3 @@ _MEDIAN_OF_CHI2 = 0.454936423119572
 def expected_bias(course: float) -> float:
     r"""Return how much γ of parallel robots is under-read at a course error σ: 1 − exp(−σ²)."""
     return float(-np.expm1(-(course**2)))
-

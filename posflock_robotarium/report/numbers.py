@@ -143,6 +143,20 @@ def _alignment(s: Situation) -> _Numbers:
                 group,
             ),
         )
+        # NaN where the last sample itself is below: alignment that ended is not for good.
+        below = np.flatnonzero(~aligned)
+        lasting = int(below[-1]) + 1 if below.size else 0
+        yield (
+            f"time_aligned_for_good_{short}",
+            Number(
+                f"time from which γ ≥ {s.threshold:g} for good, from {short}",
+                float(r.t[lasting] - r.t[0]) if lasting < len(r.t) else float("nan"),
+                "s",
+                "From the first pose to the last time γ rises to the threshold and stays there; "
+                "undefined when the run ends below it.",
+                group,
+            ),
+        )
         yield (
             f"share_aligned_{short}",
             Number(
@@ -280,16 +294,12 @@ def _cohesion(s: Situation) -> _Numbers:
     radius = values["cohesive_radius"][s.settled]
     yield (
         "cohesive_radius",
-        Number(
-            "cohesive radius", _mean(radius, weights[s.settled]), "m", f"Mean {since}.", group
-        ),
+        Number("cohesive radius", _mean(radius, weights[s.settled]), "m", f"Mean {since}.", group),
     )
     ratio = float(radius.max() / radius.min()) if radius.min() > 0 else float("nan")
     yield (
         "cohesive_radius_ratio",
-        Number(
-            "cohesive radius, largest over smallest", ratio, "", f"Over time {since}.", group
-        ),
+        Number("cohesive radius, largest over smallest", ratio, "", f"Over time {since}.", group),
     )
     yield (
         "spread",

@@ -40,12 +40,15 @@ class Verdict:
         A few words.
     because : str
         The figures it rests on.
+    short : str
+        One or two words for a headline or a table of runs; empty for the lesser questions.
     """
 
     question: str
     mark: Mark
     answer: str
     because: str
+    short: str = ""
 
 
 def verdicts_of(
@@ -67,7 +70,7 @@ def verdicts_of(
     Returns
     -------
     tuple of Verdict
-        Aligned? Together? Safe? Within limits? How sure? Complete?
+        Aligned? Together? Safe? Within limits? How sure? The whole run?
     """
     value = {key: float(number.value) for key, number in numbers.items()}
     verdicts = [_aligned(value, threshold, slowest), _together(value), _safe(value)]
@@ -77,76 +80,83 @@ def verdicts_of(
     return tuple(verdicts)
 
 
+def headline(verdicts: tuple[Verdict, ...]) -> str:
+    """Return the run in a few words: ``aligned, together, safe``."""
+    return ", ".join(verdict.short for verdict in verdicts if verdict.short)
+
+
 def _aligned(v: Mapping[str, float], threshold: float, slowest: float) -> Verdict:
     question = "Did the flock align?"
-    if v["robots"] < 2:
-        return Verdict(question, "unknown", "One robot has nobody to align with.", "")
     motion, headings = v["gamma_motion"], v["gamma_headings"]
-    standing, at_end = v["standing"], v["standing_end"]
-    both = f"γ from motion {_g(motion)}, from headings {_g(headings)}, means after the start"
+    if v["robots"] < 2:
+        return Verdict(question, "unknown", "One robot has nobody to align with.", "", "alone")
     if v["left_out_headings"] >= 1.0:
-        return Verdict(
-            question, "unknown", "No robot had a neighbour.", "γ is undefined without neighbours."
+        because = "γ is undefined without neighbours."
+        return Verdict(question, "unknown", "No robot had a neighbour.", because, "no neighbours")
+    if v["standing"] > MOSTLY or v["standing_end"] > MOSTLY:
+        return _parked(v, threshold, slowest)
+    because = f"{_both(motion, headings)}. {_when(v, threshold)}"
+    if v["left_out_motion"] > 0.005:
+        because += (
+            f" γ from motion leaves out {_pc(v['left_out_motion'])} of the robots as too slow to "
+            "have a direction, or without a neighbour that moves."
         )
-    if standing > MOSTLY or at_end > MOSTLY:
-        parallel = headings >= threshold
-        pointing = (
-            f"Their headings are parallel (γ from headings {_g(headings)}), as those of parked "
-            "robots may be; this is not flocking."
-            if parallel
-            else f"γ from headings is {_g(headings)}."
-        )
-        moving = (
-            "γ from motion is undefined, since nobody moves."
-            if math.isnan(motion)
-            else f"γ from motion is {_g(motion)}, over the few that move."
-            if standing > MOSTLY
-            else f"While it moved, γ from motion was {_g(motion)}."
-        )
-        answer = (
-            "No: nothing moves." if standing > 0.95 else
-            "No: the flock stands most of the time." if standing > MOSTLY else
-            "It came to a stop."
-        )  # fmt: skip
-        return Verdict(
-            question,
-            "bad",
-            answer,
-            f"Robots are slower than {slowest:g} m/s for {_pc(standing)} of the time, and "
-            f"{_pc(at_end)} of them at the end. {pointing} {moving}",
-        )
-    reached = v["time_to_alignment_motion"]
-    held = (
-        f"γ from motion first reached {threshold:g} after {reached:.1f} s and was there for "
-        f"{_pc(v['share_aligned_motion'])} of the run."
-        if not math.isnan(reached)
-        else f"γ from motion never reached {threshold:g}."
-    )
-    left_out = (
-        f" γ from motion leaves out {_pc(v['left_out_motion'])} of the robots as too slow to have "
-        "a direction or without a neighbour."
-        if v["left_out_motion"] > 0.005
-        else ""
-    )
-    because = f"{both}. {held}{left_out}"
     if motion >= threshold and headings >= threshold:
-        if standing > SOME or v["left_out_motion"] > 0.25:
-            return Verdict(question, "caution", "Those that moved did.", because)
+        if v["standing"] > SOME or v["left_out_motion"] > 0.25:
+            return Verdict(question, "caution", "Those that moved did.", because, "partly aligned")
         if v["share_aligned_motion"] < 0.75:
-            return Verdict(question, "caution", "On average, not steadily.", because)
-        return Verdict(question, "good", "Yes.", because)
+            answer = "On average, not steadily."
+            return Verdict(question, "caution", answer, because, "unsteadily aligned")
+        return Verdict(question, "good", "Yes.", because, "aligned")
     if headings >= threshold:
-        return Verdict(
-            question, "bad", "Headings did, motion did not: the flock does not move as one.", because
-        )  # fmt: skip
+        answer = "No: headings are parallel, motion is not."
+        return Verdict(question, "bad", answer, because, "not aligned in motion")
     if motion >= threshold:
-        return Verdict(
-            question,
-            "caution",
-            "Motion did, headings did not: some drive backwards, or headings are wrong.",
-            because,
-        )
-    return Verdict(question, "bad", "No.", because)
+        answer = "Motion did, headings did not: some drive backwards, or headings are wrong."
+        return Verdict(question, "caution", answer, because, "aligned in motion only")
+    return Verdict(question, "bad", "No.", because, "not aligned")
+
+
+def _parked(v: Mapping[str, float], threshold: float, slowest: float) -> Verdict:
+    """Say that the flock stands, whatever its headings do."""
+    motion, headings, standing = v["gamma_motion"], v["gamma_headings"], v["standing"]
+    if standing > 0.95:
+        answer, short = "No: nothing moves.", "parked"
+    elif standing > MOSTLY:
+        answer, short = "No: the flock stands most of the time.", "mostly parked"
+    else:
+        answer, short = "No: it came to a stop.", "came to a stop"
+    because = (
+        f"Robots are slower than {slowest:g} m/s for {_pc(standing)} of the time, and "
+        f"{_pc(v['standing_end'])} of them at the end. "
+    )
+    because += (
+        f"Headings are parallel (γ from headings {_g(headings)}), as those of parked robots may "
+        "be; that is not flocking. "
+        if headings >= threshold
+        else f"γ from headings is {_g(headings)}. "
+    )
+    because += (
+        "γ from motion is undefined, since nobody moves."
+        if math.isnan(motion)
+        else f"γ from motion is {_g(motion)}, over the robots that move."
+    )
+    return Verdict("Did the flock align?", "bad", answer, because, short)
+
+
+def _both(motion: float, headings: float) -> str:
+    return f"γ from motion {_g(motion)}, from headings {_g(headings)} once settled"
+
+
+def _when(v: Mapping[str, float], threshold: float) -> str:
+    if math.isnan(v["time_to_alignment_motion"]):
+        return f"γ from motion never reached {threshold:g}."
+    for_good = v["time_aligned_for_good_motion"]
+    lasting = "" if math.isnan(for_good) else f", and from {for_good:.1f} s on for good"
+    return (
+        f"γ from motion was {threshold:g} or more for {_pc(v['share_aligned_motion'])} of the "
+        f"run{lasting}."
+    )
 
 
 def _together(v: Mapping[str, float]) -> Verdict:
@@ -154,42 +164,38 @@ def _together(v: Mapping[str, float]) -> Verdict:
     if v["robots"] < 2:
         return Verdict(question, "unknown", "One robot.", "")
     ratio = v["cohesive_radius_ratio"]
-    grew = "" if math.isnan(ratio) else f", varying by a factor of {ratio:.2f}"
-    radius = f"The cohesive radius is {v['cohesive_radius']:.2f} m{grew}."
+    varying = "" if math.isnan(ratio) else f", varying by a factor of {ratio:.2f}"
+    radius = f"The cohesive radius is {v['cohesive_radius']:.2f} m{varying}."
     if v["components"] <= 1:
-        least = v["algebraic_connectivity"]
-        return Verdict(
-            question, "good", "Yes, one group throughout.",
-            f"Algebraic connectivity never below {least:.2g}. {radius}",
-        )  # fmt: skip
-    share, groups = v["connected"], int(v["components"])
-    mark: Mark = "caution" if share >= 0.9 else "bad"
-    answer = "Nearly always." if share >= 0.9 else "No." if share < MOSTLY else "Not always."
-    return Verdict(
-        question, mark, answer,
-        f"One group for {_pc(share)} of the time, up to {groups} groups. {radius}",
-    )  # fmt: skip
+        because = f"Algebraic connectivity never below {v['algebraic_connectivity']:.2g}. {radius}"
+        return Verdict(question, "good", "Yes, one group throughout.", because, "together")
+    share = v["connected"]
+    because = f"One group for {_pc(share)} of the time, up to {int(v['components'])} groups. {radius}"
+    if share >= 0.9:
+        return Verdict(question, "caution", "Nearly always.", because, "mostly together")
+    answer = "No." if share < MOSTLY else "Not always."
+    return Verdict(question, "bad", answer, because, "split")
 
 
 def _safe(v: Mapping[str, float]) -> Verdict:
     question = "Was it safe?"
-    crossings = int(v["boundary_events"])
-    collisions = int(v.get("collisions", 0))
-    wall = f"the wall was never nearer than {v['smallest_wall_distance']:.3f} m"
-    if crossings:
-        wall = f"a centre was {-v['smallest_wall_distance']:.3f} m outside the arena"
-    pairs = (
-        f"Centres never closer than {v['smallest_distance']:.3f} m, collision points "
-        f"{v['smallest_collision_distance']:.3f} m; "
-        if "smallest_distance" in v
-        else ""
+    counts = ((int(v.get("collisions", 0)), "collision"),
+              (int(v["boundary_events"]), "boundary crossing"))  # fmt: skip
+    nearest = v["smallest_wall_distance"]
+    because = (
+        f"Centres came no nearer to a wall than {nearest:.3f} m."
+        if nearest >= 0
+        else f"A centre was {-nearest:.3f} m outside the arena."
     )
-    because = f"{pairs}{wall}." if pairs else f"{wall[0].upper()}{wall[1:]}."
-    if not collisions and not crossings:
-        return Verdict(question, "good", "Yes: no collision, nobody outside.", because)
-    what = [f"{n} {word}{'s' if n > 1 else ''}"
-            for n, word in ((collisions, "collision"), (crossings, "boundary crossing")) if n]  # fmt: skip
-    return Verdict(question, "bad", f"No: {' and '.join(what)}.", because)
+    if "smallest_distance" in v:
+        because = (
+            f"Centres never closer than {v['smallest_distance']:.3f} m, collision points "
+            f"{v['smallest_collision_distance']:.3f} m. {because}"
+        )
+    faults = " and ".join(f"{n} {word}{'s' if n > 1 else ''}" for n, word in counts if n)
+    if faults:
+        return Verdict(question, "bad", f"No: {faults}.", because, f"unsafe: {faults}")
+    return Verdict(question, "good", "Yes: no collision, nobody outside.", because, "safe")
 
 
 def _limits(v: Mapping[str, float]) -> Iterator[Verdict]:
@@ -235,7 +241,9 @@ def _sure(v: Mapping[str, float]) -> Verdict:
             "wheels cannot do: are headings in radians, and columns in the right order?",
         )
     noise, course, bias = v["noise_position"], v["noise_course"], v["gamma_bias"]
-    gaps = f" {int(v['gaps'])} gap(s), {v['gap_time']:.1f} s, are left as gaps." if v["gaps"] else ""
+    gaps = (
+        f" {int(v['gaps'])} gap(s), {v['gap_time']:.1f} s, are left as gaps." if v["gaps"] else ""
+    )
     if math.isnan(noise):
         return Verdict(question, "unknown", "Too short to measure the noise.", gaps.strip())
     tracked = f"Tracking noise, measured in this log, is {_length(noise)}"
@@ -267,9 +275,7 @@ def _complete(recording: Recording, v: Mapping[str, float]) -> Iterator[Verdict]
     elif how is not None:
         reason = ended.get("reason") if isinstance(ended, dict) else ""
         words = "it was killed, or still goes on" if how == "running" else f"{how}"
-        yield Verdict(
-            question, "caution", f"No: {words}.", f"{length}. {reason or ''}".strip()
-        )
+        yield Verdict(question, "caution", f"No: {words}.", f"{length}. {reason or ''}".strip())
     elif known and v["duration"] < 0.95 * float(planned or 0.0):
         yield Verdict(question, "caution", "Shorter than planned.", f"{length}.")
 
@@ -278,7 +284,7 @@ def _g(gamma: float) -> str:
     if math.isnan(gamma):
         return "undefined"
     # 0.9996 must not read as a perfect 1.000.
-    return f"{gamma:.3f}" if gamma < 0.9995 else f"{gamma:.5f}"
+    return f"{gamma:.5f}" if 0.9995 <= gamma < 0.999995 else f"{gamma:.3f}"
 
 
 def _pc(share: float) -> str:

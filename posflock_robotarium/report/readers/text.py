@@ -38,7 +38,9 @@ _STATE_OF = {name: state for state, names in STATE_NAMES.items() for name in nam
 _STATE_FIRST = re.compile(
     r"(?P<state>[a-zθ]+(?:_(?:m|rad))?)[\s_.\-]*[\[({]?(?P<robot>\d+)[\])}]?(?:_(?:m|rad))?"
 )
-_ROBOT_FIRST = re.compile(r"(?:robot|agent|r)?[\s_.\-]*(?P<robot>\d+)[\s_.\-:/]*(?P<state>[a-zθ_]+)")
+_ROBOT_FIRST = re.compile(
+    r"(?:robot|agent|r)?[\s_.\-]*(?P<robot>\d+)[\s_.\-:/]*(?P<state>[a-zθ_]+)"
+)
 
 
 @dataclass(frozen=True)
