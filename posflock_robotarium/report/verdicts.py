@@ -252,7 +252,7 @@ def _sure(v: Mapping[str, float]) -> Verdict:
                        f"{tracked}; nothing moves.{gaps}")  # fmt: skip
     because = (
         f"{tracked}, so a direction of motion is sure to {math.degrees(course):.2g}° and γ from "
-        f"motion is under-read by about {bias:.1g}; raw differences read "
+        f"motion is under-read by {_bias(bias)}; raw differences read "
         f"{_g(v['gamma_differences'])}.{gaps}"
     )
     if bias > 0.02:
@@ -294,6 +294,10 @@ def _pc(share: float) -> str:
             "under 0.1 %" if percent < 1 else "over 99.9 %"
         )  # fmt: skip
     return f"{percent:.0f} %"
+
+
+def _bias(bias: float) -> str:
+    return f"about {bias:.1g}" if bias >= 1e-4 else "less than 0.0001"
 
 
 def _length(metres: float) -> str:
