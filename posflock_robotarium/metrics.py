@@ -238,12 +238,87 @@ def pairwise_change_variance(positions: ArrayLike, first: ArrayLike) -> Floats:
     return np.asarray((_pairs(positions) - _pairs(first)).var(axis=-1))
 
 
+def polarisation(velocities: ArrayLike, *, slowest: float = 0.0) -> Floats:
+    """Return ‖mean of the unit directions‖ over the agents that move: 1 parallel, 0 none shared.
+
+    Unlike γ it asks nothing of neighbours, so two groups that part in opposite directions read
+    0 here and 1 there.  NaN where nobody moves.
+
+    Parameters
+    ----------
+    velocities : (..., d, N) array
+        m/s, or unit headings.
+    slowest : float
+        Speed in m/s that does not count as moving.
+    """
+    mean = _mean_direction(velocities, slowest)
+    return np.asarray(np.sqrt(np.square(mean).sum(axis=-1)))
+
+
+def common_heading(velocities: ArrayLike, *, slowest: float = 0.0) -> Floats:
+    """Return the angle of the mean direction in the plane, rad in (-π, π]; NaN where undefined.
+
+    Parameters
+    ----------
+    velocities : (..., 2, N) array
+        m/s, or unit headings.
+    slowest : float
+        Speed in m/s that does not count as moving.
+    """
+    mean = _mean_direction(velocities, slowest)
+    angle = np.arctan2(mean[..., 1], mean[..., 0])
+    # Opposite robots cancel: what rounding leaves of their mean has no direction.
+    return np.where(np.square(mean).sum(axis=-1) > 1e-18, angle, np.nan)
+
+
+def spread(positions: ArrayLike) -> Floats:
+    """Return the root mean square distance of the agents from their centroid, metres."""
+    p = _states(positions, "positions")
+    offset = p - p.mean(axis=-1, keepdims=True)
+    return np.asarray(np.sqrt(np.square(offset).sum(axis=-2).mean(axis=-1)))
+
+
+def algebraic_connectivity(positions: ArrayLike, radius: float | Floats) -> Floats:
+    """Return the second smallest eigenvalue of the graph Laplacian: above 0 when connected.
+
+    Agents are linked where either is the other's neighbour.  It is N for a complete graph and
+    falls as the flock hangs together by fewer links; NaN for one agent.
+
+    Parameters
+    ----------
+    positions : (..., d, N) array
+        Metres.
+    radius : float or (N,) array
+        Interaction radius in metres.
+    """
+    adjacency = neighbours(_states(positions, "positions"), radius)
+    if adjacency.shape[-1] < 2:
+        return np.full(adjacency.shape[:-2], np.nan)
+    links = (adjacency | np.swapaxes(adjacency, -1, -2)).astype(float)
+    laplacian = -links
+    agents = np.arange(links.shape[-1])
+    laplacian[..., agents, agents] = links.sum(axis=-1)
+    second = np.linalg.eigvalsh(laplacian)[..., 1]
+    return np.where(second > 1e-9, second, 0.0)
+
+
 def connected_components(positions: ArrayLike, radius: float | Floats) -> NDArray[np.int_]:
     """Return the number of groups: agents linked where either is the other's neighbour."""
     adjacency = neighbours(_states(positions, "positions"), radius)
     links = (adjacency | np.swapaxes(adjacency, -1, -2)).reshape(-1, *adjacency.shape[-2:])
     counts = [_components(csr_array(link), directed=False, return_labels=False) for link in links]
     return np.asarray(counts, dtype=int).reshape(adjacency.shape[:-2])
+
+
+def _mean_direction(velocities: ArrayLike, slowest: float) -> Floats:
+    """Return the mean unit vector of the agents that move, (..., d); NaN where nobody does."""
+    v = _states(velocities, "velocities")
+    speed = np.sqrt(np.square(v).sum(axis=-2))
+    moving = speed > slowest
+    direction = np.divide(v, speed[..., None, :], out=np.zeros_like(v), where=moving[..., None, :])
+    number = moving.sum(axis=-1)[..., None]
+    total = direction.sum(axis=-1)
+    return np.divide(total, number, out=np.full_like(total, np.nan), where=number > 0)
 
 
 def _distances(positions: ArrayLike) -> Floats:

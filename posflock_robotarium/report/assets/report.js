@@ -1,0 +1,398 @@
+/* The page's own part: an arena that replays, curves that share its cursor. No library but uPlot. */
+(() => {
+"use strict";
+const $ = (id) => document.getElementById(id);
+const data = JSON.parse($("data").textContent);
+
+const bytes = (b64) => Uint8Array.from(atob(b64), (c) => c.charCodeAt(0)).buffer;
+const floats = (b64) => new Float32Array(bytes(b64));
+
+/* ---------- runs: poses as they were quantised, turned back when asked for ---------- */
+const runs = data.runs.map((run) => ({ ...run, t: floats(run.t), q: new Uint16Array(bytes(run.poses)) }));
+let run = runs[0];
+const many = runs.length > 1;
+const origin = () => (many ? run.start : 0); // several runs share a clock that starts with each
+const begin = () => run.t[0] - origin();
+const end = () => run.t[run.t.length - 1] - origin();
+
+function frameAt(time) {
+  let low = 0, high = run.t.length - 1;
+  const wanted = time + origin();
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (run.t[middle] <= wanted) low = middle; else high = middle - 1;
+  }
+  return low;
+}
+function poseOf(frame, robot) {
+  const n = run.robots, base = frame * 3 * n;
+  return [
+    run.low[0] + (run.q[base + robot] / 65534) * run.span[0],
+    run.low[1] + (run.q[base + n + robot] / 65534) * run.span[1],
+    (run.q[base + 2 * n + robot] / 65534) * 2 * Math.PI,
+  ];
+}
+/* Between two frames robots move in a straight line, unless a gap lies between. */
+function posesAt(time) {
+  const frame = frameAt(time), next = Math.min(frame + 1, run.t.length - 1);
+  const length = run.t[next] - run.t[frame];
+  let share = length > 0 ? Math.min(1, Math.max(0, (time + origin() - run.t[frame]) / length)) : 0;
+  if (length > 0.5) share = 0;
+  const poses = [];
+  for (let i = 0; i < run.robots; i++) {
+    const a = poseOf(frame, i);
+    if (share > 0) {
+      const b = poseOf(next, i);
+      const turn = Math.atan2(Math.sin(b[2] - a[2]), Math.cos(b[2] - a[2]));
+      poses.push([a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]), a[2] + share * turn]);
+    } else poses.push(a);
+  }
+  return poses;
+}
+
+/* ---------- theme ---------- */
+const dark = matchMedia("(prefers-color-scheme: dark)");
+let chosen = null;
+let colour = {};
+function theme() {
+  document.documentElement.dataset.theme = chosen || (dark.matches ? "dark" : "light");
+  const style = getComputedStyle(document.documentElement);
+  for (const name of ["arena", "wall", "grid", "link", "robot", "mark", "ink", "soft", "line", "bad", "accent", "c0", "c1", "c2", "c3", "c4", "c5"])
+    colour[name] = style.getPropertyValue("--" + name).trim();
+}
+theme();
+
+/* ---------- time: one clock for arena, slider and curves ---------- */
+const state = { time: begin(), playing: false, speed: 4, zoom: null };
+const arena = $("arena"), scrub = $("scrub"), clock = $("clock"), play = $("play");
+const number = (value, digits = 3) => {
+  if (value === null || value === undefined || !isFinite(value)) return "–";
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  const text = size >= 1e5 || size < 1e-4 ? value.toExponential(1) : value.toFixed(Math.max(0, Math.min(4, digits - 1 - Math.floor(Math.log10(size)))));
+  return text.replace("-", "−");
+};
+
+function seek(time, { from = null, speak = false } = {}) {
+  state.time = Math.min(end(), Math.max(begin(), time));
+  drawArena();
+  const share = end() > begin() ? (state.time - begin()) / (end() - begin()) : 0;
+  if (from !== scrub) scrub.value = String(Math.round(share * 1000));
+  const words = `${state.time.toFixed(1)} s`;
+  clock.textContent = words;
+  scrub.setAttribute("aria-valuetext", `${words} of ${end().toFixed(1)} s`);
+  moveCursors(from);
+  showNow();
+  if (speak) announce();
+}
+function announce() {
+  const said = [`At ${state.time.toFixed(1)} seconds`];
+  for (const item of nowItems()) said.push(`${item.label} ${item.text}`);
+  $("spoken").textContent = said.join(", ");
+  arena.setAttribute("aria-label", `The arena from above. ${said.join(", ")}.`);
+}
+let previous = 0;
+function tick(stamp) {
+  if (!state.playing) return;
+  const passed = Math.min(0.25, (stamp - previous) / 1000);
+  previous = stamp;
+  const time = state.time + passed * state.speed;
+  seek(time);
+  if (time >= end()) setPlaying(false); else requestAnimationFrame(tick);
+}
+function setPlaying(on) {
+  if (on && state.time >= end() - 1e-6) state.time = begin();
+  state.playing = on;
+  play.classList.toggle("on", on);
+  play.setAttribute("aria-label", on ? "Pause" : "Play");
+  if (on) { previous = performance.now(); requestAnimationFrame(tick); } else announce();
+}
+
+/* ---------- the arena ---------- */
+const TRAIL = 12;
+function sizeArena() {
+  const width = arena.clientWidth, [left, right, bottom, top] = run.arena;
+  const pad = 0.07, ratio = (top - bottom + 2 * pad) / (right - left + 2 * pad);
+  const scale = window.devicePixelRatio || 1;
+  arena.style.height = `${Math.round(width * ratio)}px`;
+  arena.width = Math.round(width * scale);
+  arena.height = Math.round(width * ratio * scale);
+}
+function drawArena() {
+  const c = arena.getContext("2d"), [left, right, bottom, top] = run.arena, pad = 0.07;
+  const scale = arena.width / (right - left + 2 * pad);
+  const X = (x) => (x - left + pad) * scale, Y = (y) => (top + pad - y) * scale;
+  c.setTransform(1, 0, 0, 1, 0, 0);
+  c.fillStyle = colour.arena;
+  c.fillRect(0, 0, arena.width, arena.height);
+  const thin = Math.max(1, scale * 0.003);
+  c.lineWidth = thin; c.strokeStyle = colour.grid;
+  c.beginPath();
+  for (let x = Math.ceil(left * 2) / 2; x <= right; x += 0.5) { c.moveTo(X(x), Y(bottom)); c.lineTo(X(x), Y(top)); }
+  for (let y = Math.ceil(bottom * 2) / 2; y <= top; y += 0.5) { c.moveTo(X(left), Y(y)); c.lineTo(X(right), Y(y)); }
+  c.stroke();
+  c.lineWidth = 2 * thin; c.strokeStyle = colour.wall;
+  c.strokeRect(X(left), Y(top), (right - left) * scale, (top - bottom) * scale);
+
+  const poses = posesAt(state.time), frame = frameAt(state.time);
+  if ($("trails").checked) {
+    const first = frameAt(state.time - TRAIL), step = Math.max(1, Math.floor((frame - first) / 120));
+    c.lineWidth = 2.2 * thin; c.lineJoin = "round"; c.strokeStyle = colour.robot;
+    for (let i = 0; i < run.robots; i++) {
+      // Three pieces, fainter the older, so that a trail tells its direction.
+      for (let piece = 0; piece < 3; piece++) {
+        const from = first + Math.floor(((frame - first) * piece) / 3), to = first + Math.floor(((frame - first) * (piece + 1)) / 3);
+        c.globalAlpha = 0.14 + 0.16 * piece;
+        c.beginPath();
+        let open = false, when = run.t[from];
+        for (let k = from; k <= to; k += step) {
+          const p = poseOf(k, i);
+          if (open && run.t[k] - when < 0.5 * step) c.lineTo(X(p[0]), Y(p[1])); else c.moveTo(X(p[0]), Y(p[1]));
+          open = true; when = run.t[k];
+        }
+        if (piece === 2) c.lineTo(X(poses[i][0]), Y(poses[i][1]));
+        c.stroke();
+      }
+    }
+    c.globalAlpha = 1;
+  }
+  if ($("links").checked) {
+    c.lineWidth = 1.4 * thin; c.strokeStyle = colour.link;
+    c.beginPath();
+    for (let i = 0; i < run.robots; i++)
+      for (let j = i + 1; j < run.robots; j++)
+        if (Math.hypot(poses[i][0] - poses[j][0], poses[i][1] - poses[j][1]) < Math.max(run.radius[i], run.radius[j])) {
+          c.moveTo(X(poses[i][0]), Y(poses[i][1])); c.lineTo(X(poses[j][0]), Y(poses[j][1]));
+        }
+    c.stroke();
+  }
+  const troubled = new Set();
+  for (const event of run.events)
+    if (state.time + origin() >= event.t - 0.05 && state.time + origin() <= Math.max(event.end, event.t + 0.4)) event.robots.forEach((i) => troubled.add(i));
+  c.font = `600 ${Math.round(0.075 * scale)}px system-ui, sans-serif`;
+  c.textAlign = "center"; c.textBaseline = "middle";
+  poses.forEach(([x, y, heading], i) => {
+    c.save();
+    c.translate(X(x), Y(y)); c.rotate(-heading); c.scale(scale, scale);
+    c.fillStyle = troubled.has(i) ? colour.bad : colour.robot;
+    c.beginPath(); c.roundRect(-0.05, -0.055, 0.1, 0.11, 0.018); c.fill();
+    c.fillStyle = colour.mark;
+    c.beginPath(); c.moveTo(0.041, 0); c.lineTo(-0.03, 0.036); c.lineTo(-0.013, 0); c.lineTo(-0.03, -0.036); c.closePath(); c.fill();
+    c.restore();
+    if ($("labels").checked) {
+      c.fillStyle = colour.ink;
+      c.fillText(String(i + 1), X(x), Y(y + (y > top - 0.2 ? -0.115 : 0.115)));
+    }
+  });
+}
+
+/* ---------- curves ---------- */
+const times = Float64Array.from(floats(data.time));
+const plots = [];
+let quiet = false; // while we move cursors and scales ourselves, their hooks stay silent
+const tones = ["c0", "c1", "c2", "c3", "c4", "c5"];
+const dashes = [[], [7, 3], [2, 3], [9, 3, 2, 3], [4, 2], [1, 2]];
+
+/* A null before each gap, so that no line is drawn across it. */
+const breaks = data.gaps || [];
+const axis = [], source = [];
+{
+  let next = 0;
+  for (let k = 0; k < times.length; k++) {
+    if (next < breaks.length && times[k] >= breaks[next] - 1e-3) {
+      if (k) { axis.push((times[k - 1] + times[k]) / 2); source.push(-1); }
+      while (next < breaks.length && times[k] >= breaks[next] - 1e-3) next++;
+    }
+    axis.push(times[k]); source.push(k);
+  }
+}
+const indexAt = (time) => {
+  let low = 0, high = axis.length - 1;
+  while (low < high) { const m = (low + high + 1) >> 1; if (axis[m] <= time + 1e-6) low = m; else high = m - 1; }
+  return source[low] < 0 && low ? low - 1 : low;
+};
+
+function build(panel) {
+  const raw = panel.series.map((series) => floats(series.values));
+  const columns = raw.map((values) => source.map((k) => (k < 0 || !isFinite(values[k]) ? null : values[k])));
+  const figure = document.createElement("figure");
+  const caption = document.createElement("figcaption");
+  const title = document.createElement("span");
+  title.textContent = panel.title;
+  const unit = document.createElement("span");
+  unit.className = "unit"; unit.textContent = panel.unit;
+  caption.append(title, unit);
+  const legend = document.createElement("ul");
+  legend.className = "legend";
+  const values = panel.series.map((series, k) => {
+    const item = document.createElement("li"), button = document.createElement("button"), value = document.createElement("b");
+    button.type = "button"; button.setAttribute("aria-pressed", "true");
+    const line = `<svg viewBox="0 0 22 6" aria-hidden="true"><line x1="0" y1="3" x2="22" y2="3" stroke="var(--${tones[k % 6]})" stroke-width="2.4" stroke-dasharray="${dashes[k % 6].join(" ")}"/></svg>`;
+    button.insertAdjacentHTML("afterbegin", line);
+    button.append(series.label, value);
+    button.addEventListener("click", () => {
+      const show = button.getAttribute("aria-pressed") !== "true";
+      button.setAttribute("aria-pressed", String(show));
+      plot.setSeries(k + 1, { show });
+    });
+    item.append(button); legend.append(item);
+    return value;
+  });
+  const holder = document.createElement("div");
+  holder.className = "plot"; holder.tabIndex = 0;
+  holder.setAttribute("role", "img");
+  holder.setAttribute("aria-label", `${panel.title}. ` + panel.series.map((s) => `${s.label}: mean ${number(s.extent[1])}, from ${number(s.extent[0])} to ${number(s.extent[2])} ${s.unit}`).join("; "));
+  figure.append(caption, legend, holder);
+  $("plots").append(figure);
+
+  const pen = () => colour.soft;
+  const options = {
+    width: Math.max(200, holder.clientWidth), height: 168,
+    legend: { show: false },
+    padding: [8, 8, 0, 0],
+    scales: {
+      x: { time: false },
+      y: {
+        range: (u, low, high) => {
+          if (low === null) return [0, 1];
+          for (const [value] of panel.lines) { low = Math.min(low, value); high = Math.max(high, value); }
+          if (panel.limits[0] !== null) low = Math.min(low, panel.limits[0]);
+          if (panel.limits[1] !== null) high = Math.max(high, panel.limits[1]);
+          const room = (high - low || Math.abs(high) || 1) * 0.06;
+          return [panel.limits[0] !== null && low >= panel.limits[0] ? low : low - room, panel.limits[1] !== null ? high : high + room];
+        },
+      },
+    },
+    axes: [
+      { stroke: pen, grid: { stroke: () => colour.line, width: 1 }, ticks: { show: false }, size: 26, font: "11.5px system-ui, sans-serif", values: (u, splits) => splits.map((v) => `${+v.toFixed(3)} s`) },
+      { stroke: pen, grid: { stroke: () => colour.line, width: 1 }, ticks: { show: false }, size: 46, font: "11.5px system-ui, sans-serif", space: 26, values: (u, splits) => splits.map((v) => String(+v.toFixed(4)).replace("-", "−")) },
+    ],
+    cursor: { y: false, drag: { x: true, y: false, setScale: true, dist: 6 }, points: { size: 6 }, bind: { dblclick: (u, target, handler) => (event) => { zoom(null); return null; } } },
+    series: [{}, ...panel.series.map((series, k) => ({
+      label: series.label, stroke: () => colour[tones[k % 6]], width: 1.7, dash: dashes[k % 6], spanGaps: false, points: { show: false },
+    }))],
+    hooks: {
+      setCursor: [(u) => { if (!quiet && !state.playing && u.cursor.left >= 0) seek(u.posToVal(u.cursor.left, "x"), { from: u }); }],
+      setScale: [(u, key) => { if (!quiet && key === "x" && u.scales.x.min !== null) zoom([u.scales.x.min, u.scales.x.max], u); }],
+      drawClear: [(u) => {
+        const c = u.ctx;
+        for (const [value, label] of panel.lines) {
+          const y = u.valToPos(value, "y", true);
+          if (y < u.bbox.top || y > u.bbox.top + u.bbox.height) continue;
+          c.save(); c.strokeStyle = colour.bad; c.fillStyle = colour.bad; c.lineWidth = devicePixelRatio; c.setLineDash([3 * devicePixelRatio, 3 * devicePixelRatio]);
+          c.beginPath(); c.moveTo(u.bbox.left, y); c.lineTo(u.bbox.left + u.bbox.width, y); c.stroke();
+          c.font = `${11 * devicePixelRatio}px system-ui, sans-serif`; c.textAlign = "right"; c.textBaseline = "bottom";
+          c.fillText(label, u.bbox.left + u.bbox.width - 3, y - 2); c.restore();
+        }
+      }],
+    },
+  };
+  const plot = new uPlot(options, [axis, ...columns], holder);
+  plot.over.addEventListener("click", (event) => seek(plot.posToVal(event.offsetX, "x"), { from: plot, speak: true }));
+  plot.over.addEventListener("pointermove", (event) => { if (event.pointerType === "touch") seek(plot.posToVal(event.offsetX, "x"), { from: plot }); });
+  plots.push({ plot, holder, panel, columns, values });
+}
+function moveCursors(from) {
+  const index = indexAt(state.time);
+  quiet = true;
+  for (const { plot, columns, values } of plots) {
+    if (plot !== from) plot.setCursor({ left: plot.valToPos(state.time, "x"), top: plot.bbox.height / devicePixelRatio / 2 }, false);
+    columns.forEach((column, k) => { values[k].textContent = number(column[index]); });
+  }
+  quiet = false;
+}
+function zoom(range, from) {
+  state.zoom = range && range[1] - range[0] < times[times.length - 1] - times[0] - 1e-6 ? range : null;
+  quiet = true;
+  for (const { plot } of plots)
+    if (plot !== from) plot.setScale("x", { min: state.zoom ? range[0] : axis[0], max: state.zoom ? range[1] : axis[axis.length - 1] });
+  quiet = false;
+  $("unzoom").hidden = !state.zoom;
+  requestAnimationFrame(() => moveCursors(null));
+}
+
+/* ---------- what holds at this instant ---------- */
+function nowItems() {
+  const wanted = [["gamma_motion", "γ from motion", ""], ["gamma_headings", "γ from headings", ""], ["speed", "mean speed", " m/s"], ["smallest_distance", "closest pair", " m"]];
+  if (many) return [];
+  const index = indexAt(state.time), items = [];
+  for (const [key, label, unit] of wanted)
+    for (const { panel, columns } of plots)
+      panel.series.forEach((series, k) => {
+        if (series.key === key) {
+          const value = columns[k][index];
+          items.push({ label, text: value === null ? "undefined" : number(value) + unit });
+        }
+      });
+  return items;
+}
+const nowList = $("now");
+function showNow() {
+  const items = nowItems();
+  if (nowList.childElementCount !== items.length)
+    nowList.replaceChildren(...items.map(() => { const d = document.createElement("div"); d.append(document.createElement("dt"), document.createElement("dd")); return d; }));
+  items.forEach((item, k) => {
+    nowList.children[k].children[0].textContent = item.label;
+    nowList.children[k].children[1].textContent = item.text;
+  });
+}
+
+/* ---------- hands and keys ---------- */
+play.addEventListener("click", () => setPlaying(!state.playing));
+scrub.addEventListener("input", () => seek(begin() + (scrub.value / 1000) * (end() - begin()), { from: scrub }));
+scrub.addEventListener("change", announce);
+$("speed").addEventListener("change", (event) => { state.speed = Number(event.target.value); });
+for (const id of ["trails", "links", "labels"]) $(id).addEventListener("change", drawArena);
+$("unzoom").addEventListener("click", () => zoom(null));
+$("theme").addEventListener("click", () => { chosen = document.documentElement.dataset.theme === "dark" ? "light" : "dark"; repaint(); });
+dark.addEventListener("change", repaint);
+for (const button of document.querySelectorAll("[data-seek]"))
+  button.addEventListener("click", () => { seek(Number(button.dataset.seek), { speak: true }); $("replay").scrollIntoView({ behavior: "smooth" }); });
+if ($("run")) $("run").addEventListener("change", (event) => { run = runs[Number(event.target.value)]; marks(); sizeArena(); seek(state.time, { speak: true }); });
+
+function nudge(seconds) { seek(state.time + seconds, { speak: true }); }
+function frames(count) {
+  const frame = Math.min(run.t.length - 1, Math.max(0, frameAt(state.time + 1e-4) + count));
+  seek(run.t[frame] - origin(), { speak: true });
+}
+document.addEventListener("keydown", (event) => {
+  if (event.ctrlKey || event.metaKey || event.altKey) return;
+  const tag = event.target.tagName, editing = tag === "SELECT" || (tag === "INPUT" && event.target.type !== "checkbox" && event.target !== scrub);
+  if (editing) return;
+  const pressable = tag === "BUTTON" || tag === "SUMMARY" || tag === "A" || (tag === "INPUT" && event.target.type === "checkbox");
+  const far = event.shiftKey ? 10 : 1;
+  const speed = $("speed");
+  const faster = (by) => { speed.selectedIndex = Math.min(speed.length - 1, Math.max(0, speed.selectedIndex + by)); state.speed = Number(speed.value); };
+  const actions = {
+    " ": () => setPlaying(!state.playing), k: () => setPlaying(!state.playing),
+    ArrowLeft: () => nudge(-far), ArrowRight: () => nudge(far),
+    ",": () => frames(-1), ".": () => frames(1),
+    Home: () => seek(begin(), { speak: true }), End: () => seek(end(), { speak: true }),
+    "+": () => faster(1), "=": () => faster(1), "-": () => faster(-1), r: () => zoom(null),
+  };
+  if (!(event.key in actions) || (event.key === " " && pressable)) return;
+  event.preventDefault();
+  actions[event.key]();
+});
+
+/* ---------- putting it together ---------- */
+function marks() {
+  const bar = $("marks"), length = end() - begin() || 1;
+  const mark = (time, kind) => { const i = document.createElement("i"); i.className = kind; i.style.left = `${(100 * (time - origin() - begin())) / length}%`; return i; };
+  bar.replaceChildren(...run.events.map((event) => mark(event.t, "fault")), ...(many ? [] : breaks.map((time) => mark(time, "gap"))));
+}
+function repaint() { theme(); for (const { plot } of plots) plot.redraw(false, true); drawArena(); }
+function resize() {
+  sizeArena();
+  for (const { plot, holder } of plots) plot.setSize({ width: Math.max(200, holder.clientWidth), height: 168 });
+  seek(state.time);
+}
+data.panels.forEach(build);
+marks();
+sizeArena();
+seek(begin());
+announce();
+let waiting = 0, width = innerWidth;
+addEventListener("resize", () => { if (innerWidth === width) return; width = innerWidth; cancelAnimationFrame(waiting); waiting = requestAnimationFrame(resize); });
+globalThis.posflock = { state, seek, get run() { return run; } };
+})();

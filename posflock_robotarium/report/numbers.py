@@ -1,0 +1,578 @@
+"""The summary's scalars: each with its unit and a definition that says exactly what was taken."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from posflock_robotarium.report.curves import Curves
+from posflock_robotarium.report.estimators import expected_bias, tracking_noise
+from posflock_robotarium.report.readers import Recording
+from rps_compat.arena import RobotModel
+
+Floats = NDArray[np.float64]
+
+INTERVENED = 1e-6
+"""m/s by which the certificate must move a velocity to count as an intervention."""
+
+STALL_COMMAND = 0.02
+"""Commanded speed in m/s above which a standing robot stalls."""
+
+LAST_SECONDS = 3.0
+"""How much of a run is its end."""
+
+STALL_SECONDS = 1.0
+"""Seconds a robot must stand against its command; the testbed's dead time is 0.2 s."""
+
+
+@dataclass(frozen=True)
+class Number:
+    """One scalar of the summary."""
+
+    label: str
+    value: float
+    unit: str
+    definition: str
+    group: str
+
+
+@dataclass(frozen=True, eq=False)
+class Situation:
+    """Everything the numbers are taken from."""
+
+    recording: Recording
+    curves: Curves
+    robot: RobotModel
+    settled: NDArray[np.bool_]
+    slowest: float
+    threshold: float
+    window: float
+
+
+def numbers_of(s: Situation) -> dict[str, Number]:
+    """Return every number that the recording has data for, in the order of the summary table.
+
+    Parameters
+    ----------
+    s : Situation
+        Recording, curves and options.
+
+    Returns
+    -------
+    dict of Number
+        By key; NaN where a number is undefined (γ of a flock that stands, say).
+    """
+    found: dict[str, Number] = {}
+    for part in (_run, _alignment, _motion, _cohesion, _safety, _certificate, _confidence):
+        for key, number in part(s):
+            found[key] = number
+    return found
+
+
+_Numbers = Iterator[tuple[str, Number]]
+
+
+def _run(s: Situation) -> _Numbers:
+    group, r = "Run", s.recording
+    gaps = r.gaps
+    lost = float((r.t[gaps] - r.t[gaps - 1]).sum()) if gaps.size else 0.0
+    yield "robots", Number("robots", r.robots, "", "Robots in the log.", group)
+    yield (
+        "duration",
+        Number("duration", float(r.t[-1] - r.t[0]), "s", "From first to last pose.", group),
+    )
+    yield "samples", Number("samples", len(r.t), "", "Poses over time of each robot.", group)
+    yield "step", Number("time step", r.step, "s", "Median time between samples.", group)
+    yield (
+        "gaps",
+        Number(
+            "gaps",
+            len(gaps),
+            "",
+            "Places where more than three steps are missing; no estimate looks across one.",
+            group,
+        ),
+    )
+    yield "gap_time", Number("time in gaps", lost, "s", "Seconds inside gaps.", group)
+
+
+def _alignment(s: Situation) -> _Numbers:
+    group, r, values = "Alignment", s.recording, s.curves.values
+    since = _since(s)
+    for short, words in (
+        ("motion", "motion (Savitzky-Golay)"),
+        ("headings", "headings"),
+        ("differences", "raw differences"),
+    ):
+        gamma = values[f"gamma_{short}"]
+        yield (
+            f"gamma_{short}",
+            Number(
+                f"γ from {words}",
+                _mean(gamma[s.settled], _weights(r)[s.settled]),
+                "",
+                f"Mean over time {since}, where defined.",
+                group,
+            ),
+        )
+        yield (
+            f"left_out_{short}",
+            Number(
+                f"left out of γ from {words}",
+                _mean(values[f"left_out_{short}"][s.settled], _weights(r)[s.settled]),
+                "share",
+                f"Mean share of robots that γ does not count {since}.",
+                group,
+            ),
+        )
+    for short in ("motion", "headings"):
+        gamma = values[f"gamma_{short}"]
+        aligned = np.nan_to_num(gamma, nan=-2.0) >= s.threshold
+        reached = np.flatnonzero(aligned)
+        yield (
+            f"time_to_alignment_{short}",
+            Number(
+                f"time to γ ≥ {s.threshold:g} from {short}",
+                float(r.t[reached[0]] - r.t[0]) if reached.size else float("nan"),
+                "s",
+                "From the first pose to the first sample at or above the threshold; "
+                "undefined when it is never reached.",
+                group,
+            ),
+        )
+        # NaN where the last sample itself is below: alignment that ended is not for good.
+        below = np.flatnonzero(~aligned)
+        lasting = int(below[-1]) + 1 if below.size else 0
+        yield (
+            f"time_aligned_for_good_{short}",
+            Number(
+                f"time from which γ ≥ {s.threshold:g} for good, from {short}",
+                float(r.t[lasting] - r.t[0]) if lasting < len(r.t) else float("nan"),
+                "s",
+                "From the first pose to the last time γ rises to the threshold and stays there; "
+                "undefined when the run ends below it.",
+                group,
+            ),
+        )
+        yield (
+            f"share_aligned_{short}",
+            Number(
+                f"time with γ ≥ {s.threshold:g} from {short}",
+                _mean(aligned.astype(float), _weights(r)),
+                "share",
+                "Share of the whole run; samples where γ is undefined count as not aligned.",
+                group,
+            ),
+        )
+    for short in ("motion", "headings"):
+        yield (
+            f"polarisation_{short}",
+            Number(
+                f"polarisation, {short}",
+                _mean(values[f"polarisation_{short}"][s.settled], _weights(r)[s.settled]),
+                "",
+                f"Mean over time {since}, where defined.",
+                group,
+            ),
+        )
+    heading = values["heading"][s.settled]
+    yield (
+        "heading_spread",
+        Number(
+            "spread of the flock's heading",
+            _circular_deviation(heading),
+            "rad",
+            f"Circular standard deviation over time of the mean heading {since}.",
+            group,
+        ),
+    )
+
+
+def _motion(s: Situation) -> _Numbers:
+    group, r, values = "Motion", s.recording, s.curves.values
+    since, weights = _since(s), _weights(r)
+    speeds = s.curves.speeds
+    yield (
+        "speed",
+        Number(
+            "mean speed",
+            _mean(values["speed"][s.settled], weights[s.settled]),
+            "m/s",
+            f"Mean over robots and time {since}.",
+            group,
+        ),
+    )
+    yield (
+        "drift",
+        Number(
+            "speed of the centroid",
+            _mean(values["drift"][s.settled], weights[s.settled]),
+            "m/s",
+            f"Mean over time {since}.",
+            group,
+        ),
+    )
+    standing = (speeds <= s.slowest).mean(axis=1)
+    yield (
+        "standing",
+        Number(
+            "standing robots",
+            _mean(standing[s.settled], weights[s.settled]),
+            "share",
+            f"Share of robots and time {since} at no more than {s.slowest:g} m/s.",
+            group,
+        ),
+    )
+    final = r.t >= r.t[-1] - LAST_SECONDS
+    yield (
+        "standing_end",
+        Number(
+            "standing robots at the end",
+            _mean(standing[final], weights[final]),
+            "share",
+            f"The same over the last {LAST_SECONDS:g} s.",
+            group,
+        ),
+    )
+    centroid = r.poses[:, :2].mean(axis=2)
+    yield (
+        "centroid_displacement",
+        Number(
+            "displacement of the centroid",
+            float(np.hypot(*(centroid[-1] - centroid[0]))),
+            "m",
+            "Straight line from the first to the last position of the flock's centroid.",
+            group,
+        ),
+    )
+    if r.command is not None:
+        count, seconds = _stalls(r, speeds, s.slowest)
+        yield (
+            "stalls",
+            Number(
+                "stalls",
+                count,
+                "",
+                f"Times a robot stood for over {STALL_SECONDS:g} s though commanded to drive at "
+                f"{STALL_COMMAND:g} m/s or more.",
+                group,
+            ),
+        )
+        yield "stall_time", Number("time stalled", seconds, "s", "Sum over robots.", group)
+        excess = np.maximum(values["fastest_wheel"] - s.robot.max_wheel_velocity, 0.0)
+        # What rounding alone puts over the limit is no command error.
+        excess[excess <= 1e-9 * s.robot.max_wheel_velocity] = 0.0
+        yield (
+            "wheel_excess",
+            Number(
+                "largest excess over the wheel limit",
+                float(excess.max()),
+                "rad/s",
+                f"How far a command asks for more than {s.robot.max_wheel_velocity:g} rad/s; "
+                f"axle {s.robot.base_length:g} m.",
+                group,
+            ),
+        )
+        yield (
+            "wheel_excess_steps",
+            Number(
+                "steps over the wheel limit",
+                int((excess > 0).sum()),
+                "",
+                "Samples with at least one wheel asked for too much.",
+                group,
+            ),
+        )
+
+
+def _cohesion(s: Situation) -> _Numbers:
+    group, values, since = "Cohesion", s.curves.values, _since(s)
+    weights = _weights(s.recording)
+    radius = values["cohesive_radius"][s.settled]
+    yield (
+        "cohesive_radius",
+        Number("cohesive radius", _mean(radius, weights[s.settled]), "m", f"Mean {since}.", group),
+    )
+    ratio = float(radius.max() / radius.min()) if radius.min() > 0 else float("nan")
+    yield (
+        "cohesive_radius_ratio",
+        Number("cohesive radius, largest over smallest", ratio, "", f"Over time {since}.", group),
+    )
+    yield (
+        "spread",
+        Number("spread", _mean(values["spread"][s.settled], weights[s.settled]), "m",
+               f"Mean {since}.", group),
+    )  # fmt: skip
+    if s.recording.robots > 1:
+        components = values["components"]
+        yield (
+            "components",
+            Number("most groups at once", float(components.max()), "", "Whole run.", group),
+        )
+        yield (
+            "connected",
+            Number(
+                "time in one group",
+                _mean((components == 1).astype(float), weights),
+                "share",
+                "Share of the whole run in which every robot is connected to every other.",
+                group,
+            ),
+        )
+        yield (
+            "algebraic_connectivity",
+            Number(
+                "smallest algebraic connectivity",
+                float(values["algebraic_connectivity"].min()),
+                "",
+                "Whole run.",
+                group,
+            ),
+        )
+
+
+def _safety(s: Situation) -> _Numbers:
+    group, values, violations = "Safety", s.curves.values, s.curves.violations
+    kinds = [event.kind for event in violations.events]
+    if s.recording.robots > 1:
+        yield (
+            "nearest_neighbour",
+            Number(
+                "nearest neighbour",
+                _mean(values["nearest_neighbour"][s.settled], _weights(s.recording)[s.settled]),
+                "m",
+                f"Mean over robots and time {_since(s)}.",
+                group,
+            ),
+        )
+        yield (
+            "smallest_distance",
+            Number(
+                "smallest distance of two robots",
+                float(values["smallest_distance"].min()),
+                "m",
+                "Centre to centre, whole run.",
+                group,
+            ),
+        )
+        yield (
+            "smallest_collision_distance",
+            Number(
+                "smallest distance of collision points",
+                float(values["smallest_collision_distance"].min()),
+                "m",
+                f"Points {s.robot.collision_offset:g} m ahead of the centres, whole run; the "
+                f"testbed calls less than {s.robot.collision_diameter:g} m a collision.",
+                group,
+            ),
+        )
+        yield (
+            "collisions",
+            Number("collisions", kinds.count("collision"), "",
+                   "Times a pair came too close by the testbed's own test, each counted once.",
+                   group),
+        )  # fmt: skip
+        yield (
+            "collision_steps",
+            Number("pairs too close, summed over steps", violations.close_pairs, "",
+                   "As the testbed counts.", group),
+        )  # fmt: skip
+    yield (
+        "smallest_wall_distance",
+        Number(
+            "smallest distance to a wall",
+            float(values["wall_distance"].min()),
+            "m",
+            "Of a robot's centre, whole run; negative outside.",
+            group,
+        ),
+    )
+    yield (
+        "boundary_events",
+        Number("boundary crossings", kinds.count("boundary"), "",
+               "Times a robot's centre left the arena.", group),
+    )  # fmt: skip
+    yield (
+        "boundary_steps",
+        Number("steps with a robot outside", violations.outside_steps, "", "Samples.", group),
+    )
+
+
+def _certificate(s: Situation) -> _Numbers:
+    r = s.recording
+    if r.moved is None:
+        return
+    group = "Certificate"
+    intervened = r.moved > INTERVENED
+    yield (
+        "interventions",
+        Number(
+            "steps in which the certificate intervened",
+            float(intervened.mean()),
+            "share",
+            f"Steps in which it moved a velocity by more than {INTERVENED:g} m/s.",
+            group,
+        ),
+    )
+    yield (
+        "intervention_mean",
+        Number(
+            "mean intervention",
+            float(r.moved[intervened].mean()) if intervened.any() else 0.0,
+            "m/s",
+            "Mean over those steps of the largest change of a robot's velocity.",
+            group,
+        ),
+    )
+    yield (
+        "intervention_largest",
+        Number("largest intervention", float(r.moved.max()), "m/s", "Whole run.", group),
+    )
+    if "smallest_h" in s.curves.values:
+        yield (
+            "smallest_h",
+            Number(
+                "smallest barrier value",
+                float(np.nanmin(s.curves.values["smallest_h"])),
+                "m²",
+                "Whole run; negative where a safe set was left.",
+                group,
+            ),
+        )
+    if r.status is not None:
+        unsolved = int(np.isin(r.status, ("relaxed", "failed")).sum())
+        yield (
+            "unsolved",
+            Number(
+                "steps without an exact solution",
+                unsolved,
+                "",
+                "Steps in which the certificate was relaxed or failed.",
+                group,
+            ),
+        )
+
+
+def _confidence(s: Situation) -> _Numbers:
+    group = "Confidence"
+    moving = s.curves.speeds[s.settled]
+    moving = moving[np.isfinite(moving) & (moving > s.slowest)]
+    speed = float(np.median(moving)) if moving.size else 0.0
+    noise = tracking_noise(s.recording, speed, s.window)
+    yield (
+        "noise_position",
+        Number(
+            "tracking noise, position",
+            noise.position,
+            "m",
+            "Standard deviation of each coordinate around local quadratics, measured in this log.",
+            group,
+        ),
+    )
+    yield (
+        "noise_heading",
+        Number("tracking noise, heading", noise.heading, "rad", "The same for headings.", group),
+    )
+    yield (
+        "noise_course",
+        Number(
+            "error of the direction of motion",
+            noise.course,
+            "rad",
+            "Standard deviation that this noise gives the Savitzky-Golay direction of a robot at "
+            "the median speed of those that move.",
+            group,
+        ),
+    )
+    yield (
+        "gamma_bias",
+        Number(
+            "γ from motion is under-read by about",
+            expected_bias(noise.course),
+            "",
+            "1 - exp(-σ²) with that error σ: what perfectly parallel robots would lose.",
+            group,
+        ),
+    )
+    yield (
+        "heading_offset",
+        Number(
+            "heading against direction of motion",
+            _heading_offset(s),
+            "rad",
+            "Median over robots and time of the angle between heading and line of motion; "
+            "large when the headings are not in radians or belong to other robots.",
+            group,
+        ),
+    )
+
+
+def _since(s: Situation) -> str:
+    if s.settled.all():
+        return "of the whole run"
+    first = int(np.argmax(s.settled))
+    return f"after {s.recording.t[first] - s.recording.t[0]:.0f} s"
+
+
+def _weights(r: Recording) -> Floats:
+    """Return the time each sample stands for; all one when samples are evenly spaced."""
+    steps = np.diff(r.t)
+    if np.abs(steps - steps.mean()).max() <= 1e-6 * steps.mean():
+        return np.ones(len(r.t))
+    steps = np.where(steps > 3 * np.median(steps), np.median(steps), steps)
+    return np.append(steps, np.median(steps))
+
+
+def _mean(values: Floats, weights: Floats) -> float:
+    known = np.isfinite(values)
+    if not known.any():
+        return float("nan")
+    if (weights == 1.0).all():
+        return float(values[known].mean())
+    return float(np.average(values[known], weights=weights[known]))
+
+
+def _circular_deviation(angles: Floats) -> float:
+    known = angles[np.isfinite(angles)]
+    if not known.size:
+        return float("nan")
+    length = min(1.0, float(np.abs(np.exp(1j * known).mean())))
+    return float(np.sqrt(-2.0 * np.log(length))) if length > 0 else float("inf")
+
+
+def _stalls(r: Recording, speeds: Floats, slowest: float) -> tuple[int, float]:
+    """Count stalls and their seconds, robot by robot."""
+    assert r.command is not None
+    stuck = (speeds <= slowest) & (np.abs(r.command[:, 0]) >= STALL_COMMAND)
+    count, seconds = 0, 0.0
+    for column in stuck.T:
+        edges = np.diff(np.concatenate([[0], column.astype(np.int8), [0]]))
+        for first, last in zip(
+            np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1, strict=True
+        ):
+            length = float(r.t[last] - r.t[first])
+            if length > STALL_SECONDS:
+                count += 1
+                seconds += length
+    return count, seconds
+
+
+def _heading_offset(s: Situation) -> float:
+    """Return the median angle between the heading and the line along which a robot moves."""
+    r = s.recording
+    stride = max(1, len(r.t) // 5000)
+    ahead = min(10, len(r.t) - 1)
+    start = np.arange(0, len(r.t) - ahead, stride)
+    step = r.poses[start + ahead, :2] - r.poses[start, :2]
+    within = (r.t[start + ahead] - r.t[start]) < 3 * ahead * r.step
+    length = np.hypot(step[:, 0], step[:, 1])
+    moving = (length > max(s.slowest * ahead * r.step, 0.005)) & within[:, np.newaxis]
+    if not moving.any():
+        return float("nan")
+    middle = r.poses[start + ahead // 2, 2]
+    across = -np.sin(middle) * step[:, 0] + np.cos(middle) * step[:, 1]
+    along = np.cos(middle) * step[:, 0] + np.sin(middle) * step[:, 1]
+    return float(np.median(np.arctan2(np.abs(across), np.abs(along))[moving]))

@@ -1,0 +1,304 @@
+"""The run in sentences: did it align, stay together and stay safe, and how sure are we?
+
+A verdict is judged by motion and never by headings alone: a flock that has parked at a wall has
+parallel headings, a γ from headings near one, and does not flock.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from posflock_robotarium.report.numbers import Number
+from posflock_robotarium.report.readers import Recording
+
+Mark = Literal["good", "caution", "bad", "unknown"]
+
+MOSTLY = 0.5
+"""A flock of which more than this share stands, stands."""
+
+SOME = 0.1
+"""A share too large to pass over in silence."""
+
+WRONG_HEADINGS = 0.35
+"""Radians (20°) between headings and motion that no tracking offset explains."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """One sentence about the run.
+
+    Attributes
+    ----------
+    question : str
+        What it answers.
+    mark : {'good', 'caution', 'bad', 'unknown'}
+        How the run does.
+    answer : str
+        A few words.
+    because : str
+        The figures it rests on.
+    short : str
+        One or two words for a headline or a table of runs; empty for the lesser questions.
+    """
+
+    question: str
+    mark: Mark
+    answer: str
+    because: str
+    short: str = ""
+
+
+def verdicts_of(
+    recording: Recording, numbers: Mapping[str, Number], threshold: float, slowest: float
+) -> tuple[Verdict, ...]:
+    """Judge a run by its numbers.
+
+    Parameters
+    ----------
+    recording : Recording
+        For what the log says about how the run ended.
+    numbers : mapping of Number
+        From `numbers.numbers_of`.
+    threshold : float
+        γ from which the flock counts as aligned.
+    slowest : float
+        Speed in m/s up to which a robot stands.
+
+    Returns
+    -------
+    tuple of Verdict
+        Aligned? Together? Safe? Within limits? How sure? The whole run?
+    """
+    value = {key: float(number.value) for key, number in numbers.items()}
+    verdicts = [_aligned(value, threshold, slowest), _together(value), _safe(value)]
+    verdicts += _limits(value)
+    verdicts.append(_sure(value))
+    verdicts += _complete(recording, value)
+    return tuple(verdicts)
+
+
+def headline(verdicts: tuple[Verdict, ...]) -> str:
+    """Return the run in a few words: ``aligned, together, safe``."""
+    return ", ".join(verdict.short for verdict in verdicts if verdict.short)
+
+
+def _aligned(v: Mapping[str, float], threshold: float, slowest: float) -> Verdict:
+    question = "Did the flock align?"
+    motion, headings = v["gamma_motion"], v["gamma_headings"]
+    if v["robots"] < 2:
+        return Verdict(question, "unknown", "One robot has nobody to align with.", "", "alone")
+    if v["left_out_headings"] >= 1.0:
+        because = "γ is undefined without neighbours."
+        return Verdict(question, "unknown", "No robot had a neighbour.", because, "no neighbours")
+    if v["standing"] > MOSTLY or v["standing_end"] > MOSTLY:
+        return _parked(v, threshold, slowest)
+    because = f"{_both(motion, headings)}. {_when(v, threshold)}"
+    if v["left_out_motion"] > 0.005:
+        because += (
+            f" γ from motion leaves out {_pc(v['left_out_motion'])} of the robots as too slow to "
+            "have a direction, or without a neighbour that moves."
+        )
+    if motion >= threshold and headings >= threshold:
+        if v["standing"] > SOME or v["left_out_motion"] > 0.25:
+            return Verdict(question, "caution", "Those that moved did.", because, "partly aligned")
+        if v["share_aligned_motion"] < 0.75:
+            answer = "On average, not steadily."
+            return Verdict(question, "caution", answer, because, "unsteadily aligned")
+        return Verdict(question, "good", "Yes.", because, "aligned")
+    if headings >= threshold:
+        answer = "No: headings are parallel, motion is not."
+        return Verdict(question, "bad", answer, because, "not aligned in motion")
+    if motion >= threshold:
+        answer = "Motion did, headings did not: some drive backwards, or headings are wrong."
+        return Verdict(question, "caution", answer, because, "aligned in motion only")
+    return Verdict(question, "bad", "No.", because, "not aligned")
+
+
+def _parked(v: Mapping[str, float], threshold: float, slowest: float) -> Verdict:
+    """Say that the flock stands, whatever its headings do."""
+    motion, headings, standing = v["gamma_motion"], v["gamma_headings"], v["standing"]
+    if standing > 0.95:
+        answer, short = "No: nothing moves.", "parked"
+    elif standing > MOSTLY:
+        answer, short = "No: the flock stands most of the time.", "mostly parked"
+    else:
+        answer, short = "No: it came to a stop.", "came to a stop"
+    because = (
+        f"Robots are slower than {slowest:g} m/s for {_pc(standing)} of the time, and "
+        f"{_pc(v['standing_end'])} of them at the end. "
+    )
+    because += (
+        f"Headings are parallel (γ from headings {_g(headings)}), as those of parked robots may "
+        "be; that is not flocking. "
+        if headings >= threshold
+        else f"γ from headings is {_g(headings)}. "
+    )
+    because += (
+        "γ from motion is undefined, since nobody moves."
+        if math.isnan(motion)
+        else f"γ from motion is {_g(motion)}, over the robots that move."
+    )
+    return Verdict("Did the flock align?", "bad", answer, because, short)
+
+
+def _both(motion: float, headings: float) -> str:
+    return f"γ from motion {_g(motion)}, from headings {_g(headings)} once settled"
+
+
+def _when(v: Mapping[str, float], threshold: float) -> str:
+    if math.isnan(v["time_to_alignment_motion"]):
+        return f"γ from motion never reached {threshold:g}."
+    for_good = v["time_aligned_for_good_motion"]
+    lasting = "" if math.isnan(for_good) else f", and from {for_good:.1f} s on for good"
+    return (
+        f"γ from motion was {threshold:g} or more for {_pc(v['share_aligned_motion'])} of the "
+        f"run{lasting}."
+    )
+
+
+def _together(v: Mapping[str, float]) -> Verdict:
+    question = "Did it stay together?"
+    if v["robots"] < 2:
+        return Verdict(question, "unknown", "One robot.", "")
+    ratio = v["cohesive_radius_ratio"]
+    varying = "" if math.isnan(ratio) else f", varying by a factor of {ratio:.2f}"
+    radius = f"The cohesive radius is {v['cohesive_radius']:.2f} m{varying}."
+    if v["components"] <= 1:
+        because = f"Algebraic connectivity never below {v['algebraic_connectivity']:.2g}. {radius}"
+        return Verdict(question, "good", "Yes, one group throughout.", because, "together")
+    share = v["connected"]
+    because = f"One group for {_pc(share)} of the time, up to {int(v['components'])} groups. {radius}"
+    if share >= 0.9:
+        return Verdict(question, "caution", "Nearly always.", because, "mostly together")
+    answer = "No." if share < MOSTLY else "Not always."
+    return Verdict(question, "bad", answer, because, "split")
+
+
+def _safe(v: Mapping[str, float]) -> Verdict:
+    question = "Was it safe?"
+    counts = ((int(v.get("collisions", 0)), "collision"),
+              (int(v["boundary_events"]), "boundary crossing"))  # fmt: skip
+    nearest = v["smallest_wall_distance"]
+    because = (
+        f"Centres came no nearer to a wall than {nearest:.3f} m."
+        if nearest >= 0
+        else f"A centre was {-nearest:.3f} m outside the arena."
+    )
+    if "smallest_distance" in v:
+        because = (
+            f"Centres never closer than {v['smallest_distance']:.3f} m, collision points "
+            f"{v['smallest_collision_distance']:.3f} m. {because}"
+        )
+    faults = " and ".join(f"{n} {word}{'s' if n > 1 else ''}" for n, word in counts if n)
+    if faults:
+        return Verdict(question, "bad", f"No: {faults}.", because, f"unsafe: {faults}")
+    return Verdict(question, "good", "Yes: no collision, nobody outside.", because, "safe")
+
+
+def _limits(v: Mapping[str, float]) -> Iterator[Verdict]:
+    question = "Within the robots' limits?"
+    if "wheel_excess" not in v:
+        yield Verdict(
+            question, "unknown", "Unknown: no commands in the log.",
+            "Wheel limits, stalls and interventions cannot be judged from poses.",
+        )  # fmt: skip
+        return
+    faults = []
+    if v["wheel_excess"] > 0:
+        faults.append(
+            f"{int(v['wheel_excess_steps'])} steps ask a wheel for up to "
+            f"{v['wheel_excess']:.2f} rad/s too much"
+        )
+    if v["stalls"]:
+        faults.append(f"{int(v['stalls'])} stalls, {v['stall_time']:.1f} s in all")
+    if v.get("unsolved"):
+        faults.append(f"{int(v['unsolved'])} steps whose certificate had no exact solution")
+    helped = (
+        f"The certificate intervened in {_pc(v['interventions'])} of the steps, by up to "
+        f"{v['intervention_largest']:.3f} m/s."
+        if "interventions" in v
+        else ""
+    )
+    if faults:
+        text = "; ".join(faults)
+        yield Verdict(question, "bad" if v["wheel_excess"] > 0 else "caution", "Not throughout.",
+                      f"{text[0].upper()}{text[1:]}. {helped}".strip())  # fmt: skip
+    else:
+        yield Verdict(question, "good", "Yes.", f"No wheel over its limit, no stall. {helped}")
+
+
+def _sure(v: Mapping[str, float]) -> Verdict:
+    question = "How sure are we?"
+    if v["heading_offset"] > WRONG_HEADINGS:
+        return Verdict(
+            question,
+            "bad",
+            "Not at all: headings and motion disagree.",
+            f"Robots move at {math.degrees(v['heading_offset']):.0f}° to their headings, which "
+            "wheels cannot do: are headings in radians, and columns in the right order?",
+        )
+    noise, course, bias = v["noise_position"], v["noise_course"], v["gamma_bias"]
+    gaps = (
+        f" {int(v['gaps'])} gap(s), {v['gap_time']:.1f} s, are left as gaps." if v["gaps"] else ""
+    )
+    if math.isnan(noise):
+        return Verdict(question, "unknown", "Too short to measure the noise.", gaps.strip())
+    tracked = f"Tracking noise, measured in this log, is {_length(noise)}"
+    if math.isnan(course):
+        return Verdict(question, "caution", "Directions of motion are undefined.",
+                       f"{tracked}; nothing moves.{gaps}")  # fmt: skip
+    because = (
+        f"{tracked}, so a direction of motion is sure to {math.degrees(course):.2g}° and γ from "
+        f"motion is under-read by {_bias(bias)}; raw differences read "
+        f"{_g(v['gamma_differences'])}.{gaps}"
+    )
+    if bias > 0.02:
+        return Verdict(question, "caution", "γ from motion is noisy.", because)
+    return Verdict(question, "good", "The estimate is sharp.", because)
+
+
+def _complete(recording: Recording, v: Mapping[str, float]) -> Iterator[Verdict]:
+    question = "Is it the whole run?"
+    parameters = recording.parameters
+    ended = parameters.get("ended")
+    how = ended.get("how") if isinstance(ended, dict) else None
+    planned = parameters.get("duration")
+    length = f"{v['duration']:.1f} s are logged"
+    known = isinstance(planned, (int, float)) and math.isfinite(planned)
+    if known:
+        length += f" of {planned:.1f} s planned"
+    if how == "finished":
+        yield Verdict(question, "good", "Yes, the run finished.", f"{length}.")
+    elif how is not None:
+        reason = ended.get("reason") if isinstance(ended, dict) else ""
+        words = "it was killed, or still goes on" if how == "running" else f"{how}"
+        yield Verdict(question, "caution", f"No: {words}.", f"{length}. {reason or ''}".strip())
+    elif known and v["duration"] < 0.95 * float(planned or 0.0):
+        yield Verdict(question, "caution", "Shorter than planned.", f"{length}.")
+
+
+def _g(gamma: float) -> str:
+    if math.isnan(gamma):
+        return "undefined"
+    # 0.9996 must not read as a perfect 1.000.
+    return f"{gamma:.5f}" if 0.9995 <= gamma < 0.999995 else f"{gamma:.3f}"
+
+
+def _pc(share: float) -> str:
+    percent = 100.0 * share
+    if 0 < percent < 1 or 99 < percent < 100:
+        return f"{percent:.1f} %" if 0.05 <= percent < 99.95 else (
+            "under 0.1 %" if percent < 1 else "over 99.9 %"
+        )  # fmt: skip
+    return f"{percent:.0f} %"
+
+
+def _bias(bias: float) -> str:
+    return f"about {bias:.1g}" if bias >= 1e-4 else "less than 0.0001"
+
+
+def _length(metres: float) -> str:
+    return f"{1000 * metres:.2f} mm" if metres >= 5e-6 else "below 0.01 mm"
