@@ -41,6 +41,7 @@ from posflock_robotarium.law import (
     velocity_based_input,
 )
 from posflock_robotarium.pairs import (
+    TREE_FROM_AGENTS,
     neighbour_pairs,
     position_based_input_over,
     velocity_based_input_over,
@@ -49,9 +50,6 @@ from posflock_robotarium.sensing import Sensing, Sensors
 
 Floats = NDArray[np.float64]
 Seed = int | np.random.SeedSequence | np.random.Generator
-
-#: From here on a k-d tree beats looking at all n² pairs (benchmarks/freespace_speed.py).
-TREE_FROM_AGENTS = 300
 
 #: Numbers in one (B, n, n) array of a batch that still fits the processor's cache.
 _CACHED_NUMBERS = 20_000

@@ -20,6 +20,9 @@ from posflock_robotarium.law import LawParameters, check_states, phi, psi
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
+#: From here on a k-d tree beats looking at all n² pairs (benchmarks/freespace_speed.py).
+TREE_FROM_AGENTS = 300
+
 
 @dataclass(frozen=True, eq=False)
 class Pairs:
@@ -82,6 +85,12 @@ def neighbour_pairs(positions: ArrayLike, radius: float | Floats) -> Pairs:
     distance = np.sqrt(np.square(pairs.offsets(p)).sum(axis=0))
     reach = radius[agent] if isinstance(radius, np.ndarray) else radius
     return pairs.where(distance < reach)
+
+
+def nearest_distances(positions: ArrayLike) -> Floats:
+    """Return each agent's distance to the nearest other, metres, shape (n,), n from 2."""
+    p = check_states(positions, "positions")
+    return np.asarray(cKDTree(p.T).query(p.T, k=2)[0][:, 1])
 
 
 def velocity_based_input_over(
