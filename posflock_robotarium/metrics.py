@@ -244,8 +244,17 @@ def connected_components(positions: ArrayLike, radius: float | Floats) -> NDArra
     if p.shape[-1] >= TREE_FROM_AGENTS:
         return np.asarray(_each_flock(lambda flock: _tree_components(flock, radius), p), dtype=int)
     adjacency = neighbours(p, radius)
-    links = (adjacency | np.swapaxes(adjacency, -1, -2)).reshape(-1, *adjacency.shape[-2:])
-    counts = [_components(csr_array(link), directed=False, return_labels=False) for link in links]
+    # One graph for all flocks, each with node numbers of its own.
+    flocks = adjacency.reshape(-1, *adjacency.shape[-2:])
+    of_flock, agent, other = np.nonzero(flocks)
+    agents = p.shape[-1]
+    nodes = len(flocks) * agents
+    links = csr_array(
+        (np.ones(len(agent)), (of_flock * agents + agent, of_flock * agents + other)),
+        (nodes, nodes),
+    )
+    _, labels = _components(links, directed=False)
+    counts = [len(np.unique(row)) for row in labels.reshape(-1, agents)]
     return np.asarray(counts, dtype=int).reshape(adjacency.shape[:-2])
 
 
@@ -296,7 +305,8 @@ def _pairs(positions: ArrayLike) -> Floats:
     if p.shape[-1] < 2:
         raise ParameterError("positions: expected at least two agents to have a pair, got one")
     i, j = np.triu_indices(p.shape[-1], 1)
-    return np.asarray(np.sqrt(np.square(p[..., :, j] - p[..., :, i]).sum(axis=-2)))
+    offset = np.take(p, j, axis=-1) - np.take(p, i, axis=-1)
+    return np.asarray(np.sqrt(np.square(offset).sum(axis=-2)))
 
 
 def _states(values: ArrayLike, name: str) -> Floats:
