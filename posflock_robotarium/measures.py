@@ -182,7 +182,7 @@ def _heading_spread(velocity: Floats) -> Floats:
     speed = np.sqrt(np.square(velocity).sum(axis=0))
     direction = np.divide(velocity, speed, out=np.zeros_like(velocity), where=speed > 0.0)
     cosines = np.einsum("d...t,d...s->...ts", direction, direction)
-    return np.degrees(np.arccos(np.clip(cosines.min(axis=(-2, -1)), -1.0, 1.0)))
+    return np.asarray(np.degrees(np.arccos(np.clip(cosines.min(axis=(-2, -1)), -1.0, 1.0))))
 
 
 def _measure_flock(recording: Recording, radius: float | Floats) -> Measures:
@@ -201,9 +201,7 @@ def _measure_flock(recording: Recording, radius: float | Floats) -> Measures:
     )
 
 
-def _measure_rows(
-    p: Floats, v: Floats, first: Floats, radius: float | Floats
-) -> dict[str, Floats]:
+def _measure_rows(p: Floats, v: Floats, first: Floats, radius: float | Floats) -> dict[str, Floats]:
     alignment = metrics.alignment(v, p, radius)
     few = p.shape[-1] < TREE_FROM_AGENTS
     unknown = np.full(len(p), np.nan)

@@ -280,11 +280,16 @@ def _nearest(positions: ArrayLike) -> Floats:
     p = _states(positions, "positions")
     if p.shape[-1] >= TREE_FROM_AGENTS:
         return _each_flock(nearest_distances, p)
-    offset = displacements(p)
+    return np.asarray(_distances(p).min(axis=-1))
+
+
+def _distances(positions: ArrayLike) -> Floats:
+    """Return ‖p_j − p_i‖ with infinity on the diagonal, (..., N, N)."""
+    offset = displacements(_states(positions, "positions"))
     distance = np.sqrt(np.square(offset).sum(axis=-3))
     agents = np.arange(distance.shape[-1])
     distance[..., agents, agents] = np.inf
-    return np.asarray(distance.min(axis=-1))
+    return np.asarray(distance)
 
 
 def _each_flock(measure: Callable[[Floats], ArrayLike], p: Floats) -> Floats:

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial import cKDTree
 
 from posflock_robotarium.law import LawParameters, check_states, phi, psi
 
@@ -73,6 +72,8 @@ def neighbour_pairs(positions: ArrayLike, radius: float | Floats) -> Pairs:
     Pairs
         The pairs that :func:`posflock_robotarium.law.neighbours` marks.
     """
+    from scipy.spatial import cKDTree
+
     p = check_states(positions, "positions")
     # balanced_tree=False splits boxes in the middle: quicker to build, as good to search here.
     tree = cKDTree(p.T, balanced_tree=False, compact_nodes=False)
@@ -89,6 +90,8 @@ def neighbour_pairs(positions: ArrayLike, radius: float | Floats) -> Pairs:
 
 def nearest_distances(positions: ArrayLike) -> Floats:
     """Return each agent's distance to the nearest other, metres, shape (n,), n from 2."""
+    from scipy.spatial import cKDTree
+
     p = check_states(positions, "positions")
     return np.asarray(cKDTree(p.T).query(p.T, k=2)[0][:, 1])
 
@@ -112,7 +115,9 @@ def velocity_based_input_over(
     (d, n) array
         Inputs in m/s².
     """
-    return pairs.sums(_cohesion_separation(pairs, positions, parameters) + pairs.offsets(velocities))
+    return pairs.sums(
+        _cohesion_separation(pairs, positions, parameters) + pairs.offsets(velocities)
+    )
 
 
 def position_based_input_over(
