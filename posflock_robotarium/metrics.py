@@ -217,9 +217,19 @@ def fastest_wheel(
     return np.asarray(fastest.max(axis=-1) / wheel_radius)
 
 
+def pairwise_distances(positions: ArrayLike) -> Floats:
+    """Return ‖p_j − p_i‖ of every pair once, metres, shape (..., N(N−1)/2)."""
+    p = _states(positions, "positions")
+    if p.shape[-1] < 2:
+        raise ParameterError("positions: expected at least two agents to have a pair, got one")
+    i, j = np.triu_indices(p.shape[-1], 1)
+    offset = np.take(p, j, axis=-1) - np.take(p, i, axis=-1)
+    return np.asarray(np.sqrt(np.square(offset).sum(axis=-2)))
+
+
 def pairwise_distance_variance(positions: ArrayLike) -> Floats:
     """Return Var(‖p_j − p_i‖) over all pairs, m² (paper, Fig. "metrics")."""
-    return np.asarray(_pairs(positions).var(axis=-1))
+    return np.asarray(pairwise_distances(positions).var(axis=-1))
 
 
 def pairwise_change_variance(positions: ArrayLike, first: ArrayLike) -> Floats:
@@ -235,7 +245,7 @@ def pairwise_change_variance(positions: ArrayLike, first: ArrayLike) -> Floats:
     first : (d, N) array
         The positions at t = 0.
     """
-    return np.asarray((_pairs(positions) - _pairs(first)).var(axis=-1))
+    return np.asarray((pairwise_distances(positions) - pairwise_distances(first)).var(axis=-1))
 
 
 def connected_components(positions: ArrayLike, radius: float | Floats) -> NDArray[np.int_]:
@@ -302,16 +312,6 @@ def _tree_components(p: Floats, radius: float | Floats) -> int:
     pairs = neighbour_pairs(p, radius)
     links = csr_array((np.ones(len(pairs.agent)), (pairs.agent, pairs.other)), (pairs.agents,) * 2)
     return int(_components(links, directed=False, return_labels=False))
-
-
-def _pairs(positions: ArrayLike) -> Floats:
-    """Return ‖p_j − p_i‖ of every pair once, (..., N(N−1)/2)."""
-    p = _states(positions, "positions")
-    if p.shape[-1] < 2:
-        raise ParameterError("positions: expected at least two agents to have a pair, got one")
-    i, j = np.triu_indices(p.shape[-1], 1)
-    offset = np.take(p, j, axis=-1) - np.take(p, i, axis=-1)
-    return np.asarray(np.sqrt(np.square(offset).sum(axis=-2)))
 
 
 def _states(values: ArrayLike, name: str) -> Floats:
