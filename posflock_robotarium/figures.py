@@ -1,65 +1,28 @@
-"""The paper's experiment figures, from a pose log: snapshots, alignment, distances, speeds.
-
-Figures are drawn without a display and without touching matplotlib's global state, as PNG
-for the screen and PDF for the paper.  Curves differ in colour (Okabe and Ito's palette,
-safe for colour-blind readers) *and* in dash, so that they survive a black-and-white
-printer.
-"""
+"""The paper's experiment figures, from a pose log: snapshots, alignment, distances, speeds."""
 
 from __future__ import annotations
 
-import functools
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium import metrics
-from posflock_robotarium.errors import LogError, OutputError
+from posflock_robotarium.drawing import BLACK, BLUE, GREEN, GREY, ORANGE, in_style, new_figure, save
+from posflock_robotarium.errors import LogError
 from posflock_robotarium.poselog import Log
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-BLUE, ORANGE, GREEN, BLACK, GREY = "#0072B2", "#D55E00", "#009E73", "#000000", "#8c8c8c"
-
 #: Width and length of a robot in metres (paper, Section "Experiment").
 ROBOT_WIDTH, ROBOT_LENGTH = 0.11, 0.10
 ARENA = (-1.6, 1.6, -1.0, 1.0)
 #: Seconds of trail behind each robot in a snapshot.
 TRAIL = 12.0
-
-
-_STYLE: dict[str, Any] = {
-    "font.size": 8,
-    "axes.labelsize": 8,
-    "xtick.labelsize": 7,
-    "ytick.labelsize": 7,
-    "legend.fontsize": 7,
-    "legend.frameon": False,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "pdf.fonttype": 42,
-}
-
-_Arguments = ParamSpec("_Arguments")
-_Result = TypeVar("_Result")
-
-
-def _in_style(draw: Callable[_Arguments, _Result]) -> Callable[_Arguments, _Result]:
-    """Let a function draw in our style without changing the caller's."""
-
-    @functools.wraps(draw)
-    def styled(*args: _Arguments.args, **kwargs: _Arguments.kwargs) -> _Result:
-        import matplotlib.style
-
-        with matplotlib.style.context(_STYLE):
-            return draw(*args, **kwargs)
-
-    return styled
 
 
 def draw_run(log: Log, folder: Path) -> list[Path]:
@@ -84,21 +47,7 @@ def draw_run(log: Log, folder: Path) -> list[Path]:
     return [path for name, figure in drawn.items() for path in save(figure, folder, name)]
 
 
-@_in_style
-def save(figure: Figure, folder: Path, name: str) -> list[Path]:
-    """Write a figure as NAME.png and NAME.pdf and return both paths."""
-    paths = [folder / f"{name}.png", folder / f"{name}.pdf"]
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        # No dates inside: the same run gives the same bytes.
-        figure.savefig(paths[0], dpi=200, metadata={"Software": None})
-        figure.savefig(paths[1], metadata={"CreationDate": None, "Producer": None})
-    except OSError as error:
-        raise OutputError(f"cannot write figures into {folder}: {error.strerror}") from error
-    return paths
-
-
-@_in_style
+@in_style
 def snapshots(log: Log, times: Sequence[float] | None = None) -> Figure:
     """Draw the arena at six instants: robots to scale, headings, trails (paper, Fig. 8).
 
@@ -109,7 +58,7 @@ def snapshots(log: Log, times: Sequence[float] | None = None) -> Figure:
     times : six floats, optional
         Seconds; evenly spread over the run by default.
     """
-    figure = _figure(7.2, 3.55)
+    figure = new_figure(7.2, 3.55)
     panels = figure.subplots(2, 3, sharex=True, sharey=True)
     chosen = np.linspace(log.t[0], log.t[-1], 6) if times is None else np.asarray(times)
     for axes, time, letter in zip(panels.flat, chosen, "abcdef", strict=True):
@@ -127,10 +76,10 @@ def snapshots(log: Log, times: Sequence[float] | None = None) -> Figure:
     return figure
 
 
-@_in_style
+@in_style
 def alignment_over_time(log: Log, radius: float | None = None) -> Figure:
     """Draw γ over time, from headings and from motion (paper, Fig. 9)."""
-    figure = _figure(3.5, 2.4)
+    figure = new_figure(3.5, 2.4)
     axes = figure.subplots()
     reach = _radius(log, radius)
     positions = log.poses[:, :2]
@@ -151,10 +100,10 @@ def alignment_over_time(log: Log, radius: float | None = None) -> Figure:
     return figure
 
 
-@_in_style
+@in_style
 def distances_and_speeds(log: Log) -> Figure:
     """Draw nearest-neighbour, smallest and wall distances, cohesive radius, and speeds."""
-    figure = _figure(7.2, 2.4)
+    figure = new_figure(7.2, 2.4)
     left, right = figure.subplots(1, 2)
     positions = log.poses[:, :2]
     curves = (
@@ -199,13 +148,6 @@ def distances_and_speeds(log: Log) -> Figure:
     right.set_ylim(0, 1.25 * float(speeds.max()))
     right.legend(loc="upper right", ncols=3)
     return figure
-
-
-def _figure(width: float, height: float) -> Figure:
-    """Return an empty figure of so many inches, its labels sized for print."""
-    from matplotlib.figure import Figure
-
-    return Figure(figsize=(width, height), layout="constrained")
 
 
 def _arena(axes: Axes) -> None:

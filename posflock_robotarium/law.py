@@ -211,7 +211,11 @@ def saturate(vectors: ArrayLike, limit: float | Floats) -> Floats:
 
 
 def velocity_based_input(
-    positions: ArrayLike, velocities: ArrayLike, parameters: LawParameters
+    positions: ArrayLike,
+    velocities: ArrayLike,
+    parameters: LawParameters,
+    *,
+    detected: Booleans | None = None,
 ) -> Floats:
     """Return the baseline's input (paper Eq. 2), before saturation.
 
@@ -221,6 +225,8 @@ def velocity_based_input(
         Metres and m/s.
     parameters : LawParameters
         δ and r are used.
+    detected : (..., n, n) boolean array, optional
+        Row i marks the agents that i senses; by default every one within its radius.
 
     Returns
     -------
@@ -234,7 +240,7 @@ def velocity_based_input(
     """
     p = check_states(positions, "positions")
     v = check_states(velocities, "velocities", like=p)
-    offset, adjacency, weights = _cohesion_separation(p, parameters)
+    offset, adjacency, weights = _cohesion_separation(p, parameters, detected)
     return _weighted_sum(weights, offset) + _weighted_sum(adjacency.astype(float), displacements(v))
 
 
@@ -245,6 +251,7 @@ def position_based_input(
     parameters: LawParameters,
     *,
     threshold: bool = True,
+    detected: Booleans | None = None,
 ) -> Floats:
     """Return the position-based input (paper Eq. 6), before saturation.
 
@@ -260,6 +267,8 @@ def position_based_input(
         δ, r and k are used.
     threshold : bool
         Whether the alignment gain stops decaying at t = 1/k.
+    detected : (..., n, n) boolean array, optional
+        Row i marks the agents that i senses; by default every one within its radius.
 
     Returns
     -------
@@ -279,7 +288,7 @@ def position_based_input(
             f"imprint: expected shape {(*p.shape, p.shape[-1])}, the displacements of"
             f" {p.shape[-1]} agents, got {remembered.shape}"
         )
-    offset, adjacency, weights = _cohesion_separation(p, parameters)
+    offset, adjacency, weights = _cohesion_separation(p, parameters, detected)
     gain = phi(time, adjacency.sum(axis=-1), parameters.persistence if threshold else None)
     alignment = adjacency * gain[..., None]
     return _weighted_sum(weights, offset) + _weighted_sum(alignment, offset - remembered)
@@ -318,12 +327,16 @@ def check_states(values: ArrayLike, name: str, like: Floats | None = None) -> Fl
     return x
 
 
-def _cohesion_separation(p: Floats, parameters: LawParameters) -> tuple[Floats, Booleans, Floats]:
+def _cohesion_separation(
+    p: Floats, parameters: LawParameters, detected: Booleans | None
+) -> tuple[Floats, Booleans, Floats]:
     """Return displacements, adjacency, and ψ where adjacent and 0 elsewhere."""
     parameters.agents_must_be(p.shape[-1])
     offset = displacements(p)
     distance = _lengths(offset, -3)
     adjacency = _within(distance, parameters.radius)
+    if detected is not None:
+        adjacency &= detected
     rest_distance = parameters.distance_scale * adjacency.sum(axis=-1)
     return offset, adjacency, adjacency * psi(distance, rest_distance[..., None])
 

@@ -17,6 +17,7 @@ parallel headings and does not move.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,6 +28,7 @@ from scipy.sparse.csgraph import connected_components as _components
 
 from posflock_robotarium.errors import ParameterError
 from posflock_robotarium.law import displacements, neighbours
+from posflock_robotarium.pairs import TREE_FROM_AGENTS, nearest_distances, neighbour_pairs
 
 Floats = NDArray[np.float64]
 
@@ -85,10 +87,8 @@ def alignment(
     speed = np.sqrt(np.square(v).sum(axis=-2))
     moving = speed > slowest
     direction = np.divide(v, speed[..., None, :], out=np.zeros_like(v), where=moving[..., None, :])
-    heard = neighbours(p, radius) & moving[..., None, :]
-    number = heard.sum(axis=-1)
     # Σ_j e_i·e_j = e_i · Σ_j e_j: no (N, N) matrix of cosines is needed.
-    around = np.einsum("...ij,...dj->...di", heard.astype(float), direction)
+    number, around = _neighbour_sums(p, radius, moving, direction)
     cosines = (direction * around).sum(axis=-2)
     counts = moving & (number > 0)
     mean = np.divide(cosines, number, out=np.zeros_like(cosines), where=counts)
@@ -146,15 +146,15 @@ def nearest_neighbour_distance(positions: ArrayLike) -> Floats:
     This is what the paper plots as inter-agent separation: the mean over *all* pairs of its
     flock is five times as large.  NaN for one agent.
     """
-    distance = _distances(positions)
-    if distance.shape[-1] < 2:
-        return np.full(distance.shape[:-2], np.nan)
-    return np.asarray(distance.min(axis=-1).mean(axis=-1))
+    nearest = _nearest(positions)
+    if nearest.shape[-1] < 2:
+        return np.full(nearest.shape[:-1], np.nan)
+    return np.asarray(nearest.mean(axis=-1))
 
 
 def smallest_distance(positions: ArrayLike) -> Floats:
     """Return the distance of the closest pair, metres; infinite for one agent."""
-    return np.asarray(_distances(positions).min(axis=(-2, -1)))
+    return np.asarray(_nearest(positions).min(axis=-1))
 
 
 def cohesive_radius(positions: ArrayLike) -> Floats:
@@ -217,9 +217,19 @@ def fastest_wheel(
     return np.asarray(fastest.max(axis=-1) / wheel_radius)
 
 
+def pairwise_distances(positions: ArrayLike) -> Floats:
+    """Return ‖p_j − p_i‖ of every pair once, metres, shape (..., N(N−1)/2)."""
+    p = _states(positions, "positions")
+    if p.shape[-1] < 2:
+        raise ParameterError("positions: expected at least two agents to have a pair, got one")
+    i, j = np.triu_indices(p.shape[-1], 1)
+    offset = np.take(p, j, axis=-1) - np.take(p, i, axis=-1)
+    return np.asarray(np.sqrt(np.square(offset).sum(axis=-2)))
+
+
 def pairwise_distance_variance(positions: ArrayLike) -> Floats:
     """Return Var(‖p_j − p_i‖) over all pairs, m² (paper, Fig. "metrics")."""
-    return np.asarray(_pairs(positions).var(axis=-1))
+    return np.asarray(pairwise_distances(positions).var(axis=-1))
 
 
 def pairwise_change_variance(positions: ArrayLike, first: ArrayLike) -> Floats:
@@ -235,7 +245,7 @@ def pairwise_change_variance(positions: ArrayLike, first: ArrayLike) -> Floats:
     first : (d, N) array
         The positions at t = 0.
     """
-    return np.asarray((_pairs(positions) - _pairs(first)).var(axis=-1))
+    return np.asarray((pairwise_distances(positions) - pairwise_distances(first)).var(axis=-1))
 
 
 def polarisation(velocities: ArrayLike, *, slowest: float = 0.0) -> Floats:
@@ -304,9 +314,21 @@ def algebraic_connectivity(positions: ArrayLike, radius: float | Floats) -> Floa
 
 def connected_components(positions: ArrayLike, radius: float | Floats) -> NDArray[np.int_]:
     """Return the number of groups: agents linked where either is the other's neighbour."""
-    adjacency = neighbours(_states(positions, "positions"), radius)
-    links = (adjacency | np.swapaxes(adjacency, -1, -2)).reshape(-1, *adjacency.shape[-2:])
-    counts = [_components(csr_array(link), directed=False, return_labels=False) for link in links]
+    p = _states(positions, "positions")
+    if p.shape[-1] >= TREE_FROM_AGENTS:
+        return np.asarray(_each_flock(lambda flock: _tree_components(flock, radius), p), dtype=int)
+    adjacency = neighbours(p, radius)
+    # One graph for all flocks, each with node numbers of its own.
+    flocks = adjacency.reshape(-1, *adjacency.shape[-2:])
+    of_flock, agent, other = np.nonzero(flocks)
+    agents = p.shape[-1]
+    nodes = len(flocks) * agents
+    links = csr_array(
+        (np.ones(len(agent)), (of_flock * agents + agent, of_flock * agents + other)),
+        (nodes, nodes),
+    )
+    _, labels = _components(links, directed=False)
+    counts = [len(np.unique(row)) for row in labels.reshape(-1, agents)]
     return np.asarray(counts, dtype=int).reshape(adjacency.shape[:-2])
 
 
@@ -321,6 +343,31 @@ def _mean_direction(velocities: ArrayLike, slowest: float) -> Floats:
     return np.divide(total, number, out=np.full_like(total, np.nan), where=number > 0)
 
 
+def _neighbour_sums(
+    p: Floats, radius: float | Floats, moving: NDArray[np.bool_], direction: Floats
+) -> tuple[NDArray[np.int_], Floats]:
+    """Return how many moving neighbours each agent has, and the sum of their directions."""
+    if p.shape[-1] < TREE_FROM_AGENTS:
+        heard = neighbours(p, radius) & moving[..., None, :]
+        around = np.einsum("...ij,...dj->...di", heard.astype(float), direction)
+        return heard.sum(axis=-1), around
+    number, around = np.zeros(moving.shape, dtype=int), np.zeros_like(direction)
+    for at in np.ndindex(moving.shape[:-1]):
+        pairs = neighbour_pairs(p[at], radius)
+        pairs = pairs.where(moving[at][pairs.other])
+        number[at] = pairs.counts
+        around[at] = pairs.sums(direction[at][:, pairs.other])
+    return number, around
+
+
+def _nearest(positions: ArrayLike) -> Floats:
+    """Return each agent's distance to the nearest other, (..., N); infinite where alone."""
+    p = _states(positions, "positions")
+    if p.shape[-1] >= TREE_FROM_AGENTS:
+        return _each_flock(nearest_distances, p)
+    return np.asarray(_distances(p).min(axis=-1))
+
+
 def _distances(positions: ArrayLike) -> Floats:
     """Return ‖p_j − p_i‖ with infinity on the diagonal, (..., N, N)."""
     offset = displacements(_states(positions, "positions"))
@@ -330,13 +377,16 @@ def _distances(positions: ArrayLike) -> Floats:
     return np.asarray(distance)
 
 
-def _pairs(positions: ArrayLike) -> Floats:
-    """Return ‖p_j − p_i‖ of every pair once, (..., N(N−1)/2)."""
-    p = _states(positions, "positions")
-    if p.shape[-1] < 2:
-        raise ParameterError("positions: expected at least two agents to have a pair, got one")
-    i, j = np.triu_indices(p.shape[-1], 1)
-    return np.asarray(np.sqrt(np.square(p[..., :, j] - p[..., :, i]).sum(axis=-2)))
+def _each_flock(measure: Callable[[Floats], ArrayLike], p: Floats) -> Floats:
+    """Apply a function of one (d, N) flock along all leading axes."""
+    values = [np.asarray(measure(p[at])) for at in np.ndindex(p.shape[:-2])]
+    return np.reshape(values, (*p.shape[:-2], *values[0].shape))
+
+
+def _tree_components(p: Floats, radius: float | Floats) -> int:
+    pairs = neighbour_pairs(p, radius)
+    links = csr_array((np.ones(len(pairs.agent)), (pairs.agent, pairs.other)), (pairs.agents,) * 2)
+    return int(_components(links, directed=False, return_labels=False))
 
 
 def _states(values: ArrayLike, name: str) -> Floats:

@@ -289,4 +289,3 @@ def _markup(text: str) -> Any:
 
 def _asset(name: str) -> str:
     return (resources.files("posflock_robotarium.report") / "assets" / name).read_text("utf-8")
-

@@ -170,7 +170,9 @@ def _together(v: Mapping[str, float]) -> Verdict:
         because = f"Algebraic connectivity never below {v['algebraic_connectivity']:.2g}. {radius}"
         return Verdict(question, "good", "Yes, one group throughout.", because, "together")
     share = v["connected"]
-    because = f"One group for {_pc(share)} of the time, up to {int(v['components'])} groups. {radius}"
+    because = (
+        f"One group for {_pc(share)} of the time, up to {int(v['components'])} groups. {radius}"
+    )
     if share >= 0.9:
         return Verdict(question, "caution", "Nearly always.", because, "mostly together")
     answer = "No." if share < MOSTLY else "Not always."

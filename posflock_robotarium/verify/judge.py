@@ -255,9 +255,7 @@ def _actuator(ideal: Outcome) -> Iterator[Finding]:
     )
 
 
-def _start(
-    ideal: Outcome, drive: Outcome | None, known: Sequence[Finding]
-) -> Iterator[Finding]:
+def _start(ideal: Outcome, drive: Outcome | None, known: Sequence[Finding]) -> Iterator[Finding]:
     gap = ideal.initial_gap
     if gap and gap["metres"] < testbed.SPACING:
         yield Finding(

@@ -413,9 +413,9 @@ def _time_steps(watch: Watch, generation: int) -> None:
 
 def _limit(memory: int) -> None:
     """Limit what the trial may allocate beyond what it has now, and what it may write."""
-    with open("/proc/self/statm") if os.path.exists("/proc/self/statm") else open(
-        os.devnull
-    ) as file:
+    with (
+        open("/proc/self/statm") if os.path.exists("/proc/self/statm") else open(os.devnull) as file
+    ):
         pages = file.read().split()
     used = int(pages[0]) * mmap.PAGESIZE if pages else 1 << 30
     for kind, amount in (

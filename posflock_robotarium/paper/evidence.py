@@ -1,0 +1,258 @@
+"""Every run that the reproduction draws or judges.
+
+Three groups.  The *paper's simulation*: three models from identical starts, over seeds.
+*Variations*: one parameter or one imperfection at a time, which the paper argues about and
+does not measure.  *Robots*: nine of them on wheels in the arena, ideal and imperfect.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, as_completed
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from posflock_robotarium import metrics
+from posflock_robotarium.freespace import FreeSpace, Model, Recording, simulate_batch
+from posflock_robotarium.measures import Measures, measure, stack, summarise
+from posflock_robotarium.paper.robots import drive
+from posflock_robotarium.poselog import Log
+from posflock_robotarium.sensing import Sensing
+from posflock_robotarium.summary import Summary
+from posflock_robotarium.workers import local_pool
+
+Floats = NDArray[np.float64]
+
+#: Flocks that advance together in one task of the pool.
+_TOGETHER = 8
+
+#: Side of the cube in which 50 agents have as many neighbours as in the paper's square, m.
+CUBE_SIDE = 18.5
+
+
+@dataclass(frozen=True)
+class Variation:
+    """One parameter changed.
+
+    Attributes
+    ----------
+    study : str
+        What is varied, a heading: "time step", "position noise"...
+    unit : str
+        Of `value`.
+    value : float
+        What it is set to.
+    scenario : FreeSpace
+        The simulation that follows.
+    """
+
+    study: str
+    unit: str
+    value: float
+    scenario: FreeSpace
+
+
+@dataclass(frozen=True, eq=False)
+class Robots:
+    """Nine robots in the arena over seeds.
+
+    Attributes
+    ----------
+    times : (T,) array
+        Seconds.
+    gamma_headings, gamma_motion : (B, T) array
+        γ from where robots point, and from where they go.
+    summaries : tuple of B Summary
+        The numbers of each run.
+    single : Log
+        The first run, for snapshots.
+    """
+
+    times: Floats
+    gamma_headings: Floats
+    gamma_motion: Floats
+    summaries: tuple[Summary, ...]
+    single: Log
+
+    def of(self, name: str) -> Floats:
+        """Return one number of every summary, (B,)."""
+        return np.array([getattr(summary, name) for summary in self.summaries], dtype=float)
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """What was computed.
+
+    Attributes
+    ----------
+    seeds : tuple of int
+        Of the paper's simulation.
+    measures : dict of Model to Measures
+        (B, T) over seeds.
+    singles : dict of Model to Recording
+        The first seed's run, for trajectories.
+    memory : dict of Model to (B,) array
+        Correlation of the pairwise distances at the end with those at the start.
+    variations : tuple of (Variation, Measures)
+        In the order of :func:`variations`; fewer seeds.
+    robots, imperfect_robots : Robots
+        Nine robots, in the ideal arena and with actuation and tracking noise.
+    """
+
+    seeds: tuple[int, ...]
+    measures: dict[Model, Measures]
+    singles: dict[Model, Recording]
+    memory: dict[Model, Floats]
+    variations: tuple[tuple[Variation, Measures], ...]
+    robots: Robots
+    imperfect_robots: Robots
+
+    def numbers(self, model: Model) -> dict[str, Floats]:
+        """Return the summary numbers of the paper's simulation over seeds."""
+        return summarise(self.measures[model])
+
+    def study(self, name: str, model: Model) -> tuple[Floats, list[dict[str, Floats]]]:
+        """Return the values of a variation, and the summary numbers at each, over seeds."""
+        chosen = [
+            (variation.value, summarise(measures))
+            for variation, measures in self.variations
+            if variation.study == name and variation.scenario.model is model
+        ]
+        return np.array([value for value, _ in chosen]), [numbers for _, numbers in chosen]
+
+    def at(self, name: str, model: Model, value: float) -> dict[str, Floats]:
+        """Return the summary numbers of one variation at one value."""
+        values, numbers = self.study(name, model)
+        return numbers[int(np.flatnonzero(values == value)[0])]
+
+
+def variations() -> Iterator[Variation]:
+    """Yield every variation of the paper's simulation."""
+    base = FreeSpace(record_interval=1.0)
+    both = (Model.VELOCITY, Model.POSITION)
+    for value in (0.0125, 0.025, 0.05, 0.1, 0.2):
+        for model in Model:
+            yield Variation("time step", "s", value, replace(base, model=model, time_step=value))
+    for value in (0.3, 0.4, 0.5, 0.6, 0.8):
+        for model in both:
+            law = replace(base.law, distance_scale=value)
+            yield Variation("distance scale δ", "m", value, replace(base, model=model, law=law))
+    for value in (0.02, 0.05, 0.1, 0.2, 0.5, 1.0):
+        law = replace(base.law, persistence=value)
+        yield Variation("persistence k", "1/s", value, replace(base, law=law))
+    for model in Model:
+        cube = replace(base, model=model, dimensions=3, side=CUBE_SIDE)
+        yield Variation("three dimensions", "", 3.0, cube)
+    for model in both:
+        larger = replace(base, model=model, agents=200, side=50.0, record_interval=2.0)
+        yield Variation("agents", "", 200.0, larger)
+        for value in (0.0, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5):
+            noisy = replace(base, model=model, sensing=Sensing(position_noise=value))
+            yield Variation("position noise", "m", value, noisy)
+        for value in (0.0, 0.02, 0.05, 0.1, 0.2):
+            lossy = replace(base, model=model, sensing=Sensing(dropout=value))
+            yield Variation("dropout", "", value, lossy)
+        for value in (0.0, 0.05, 0.1, 0.2):
+            late = replace(base, model=model, sensing=Sensing(delay=value))
+            yield Variation("delay", "s", value, late)
+        for value in (0.0, 0.02, 0.1, 0.2, 0.4):
+            gone = replace(base, model=model, sensing=Sensing(failing=value, failure="vanish"))
+            yield Variation("vanishing agents", "", value, gone)
+            stuck = replace(base, model=model, sensing=Sensing(failing=value, failure="stop"))
+            yield Variation("stopping agents", "", value, stuck)
+    for value in (0.0, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0):
+        noisy = replace(base, model=Model.VELOCITY, sensing=Sensing(velocity_noise=value))
+        yield Variation("velocity noise", "m/s", value, noisy)
+
+
+def gather(
+    seeds: int = 20,
+    *,
+    first_seed: int = 0,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] = lambda done, all_: None,
+) -> Evidence:
+    """Run everything.
+
+    Parameters
+    ----------
+    seeds : int
+        Seeds of the paper's simulation, at least 2; the robots drive half as many and the
+        variations a quarter, at least two each.
+    first_seed : int
+        Seeds count up from here.
+    workers : int, optional
+        Processes; one for each processor by default.
+    progress : function of (done, all)
+        Called after each finished task.
+
+    Returns
+    -------
+    Evidence
+        The same for the same seeds, however many workers there are.
+    """
+    of_paper = tuple(range(first_seed, first_seed + seeds))
+    of_robots = of_paper[: max(2, seeds // 2)]
+    of_variations = of_paper[: max(2, seeds // 4)]
+    changed = list(variations())
+    with local_pool(workers) as pool:
+        # The longest tasks first: no processor idles at the end while another finishes one.
+        driven = [
+            [pool.submit(drive, seed, imperfect=imperfect) for seed in of_robots]
+            for imperfect in (False, True)
+        ]
+        varied = [
+            [pool.submit(_run, v.scenario, part) for part in _parts(of_variations)] for v in changed
+        ]
+        paper = {
+            model: [pool.submit(_run, FreeSpace(model), part) for part in _parts(of_paper)]
+            for model in Model
+        }
+        tasks: list[Future[object]] = [
+            task
+            for group in (*driven, *varied, *paper.values())
+            for task in group  # type: ignore[attr-defined]
+        ]
+        for done, task in enumerate(as_completed(tasks), start=1):
+            task.result()
+            progress(done, len(tasks))
+        return Evidence(
+            seeds=of_paper,
+            measures={m: _joined([task.result()[0] for task in paper[m]]) for m in Model},
+            singles={m: paper[m][0].result()[1] for m in Model},
+            memory={m: np.concatenate([task.result()[2] for task in paper[m]]) for m in Model},
+            variations=tuple(
+                (variation, _joined([task.result()[0] for task in group]))
+                for variation, group in zip(changed, varied, strict=True)
+            ),
+            robots=_robots([task.result() for task in driven[0]]),
+            imperfect_robots=_robots([task.result() for task in driven[1]]),
+        )
+
+
+def _parts(seeds: Sequence[int]) -> list[Sequence[int]]:
+    return [seeds[at : at + _TOGETHER] for at in range(0, len(seeds), _TOGETHER)]
+
+
+def _joined(parts: Sequence[Measures]) -> Measures:
+    return stack([part[flock] for part in parts for flock in range(len(part.gamma))])
+
+
+def _run(scenario: FreeSpace, seeds: Sequence[int]) -> tuple[Measures, Recording, Floats]:
+    """Run some seeds of one scenario; return the measures, the first run and the memory."""
+    recording = simulate_batch(scenario, seeds)
+    memory = np.array([_memory(flock) for flock in recording.positions])
+    return measure(recording, scenario.law.radius), recording[0], memory
+
+
+def _memory(positions: Floats) -> float:
+    """Return the correlation of the pairwise distances at the end with those at the start."""
+    first, last = (metrics.pairwise_distances(positions[at]) for at in (0, -1))
+    return float(np.corrcoef(first, last)[0, 1])
+
+
+def _robots(runs: Sequence[tuple[Log, Summary, Floats, Floats]]) -> Robots:
+    logs, summaries, headings, motion = zip(*runs, strict=True)
+    return Robots(logs[0].t, np.stack(headings), np.stack(motion), tuple(summaries), logs[0])

@@ -1,0 +1,90 @@
+"""The paper's experiment, over seeds: nine robots for 120 s, ideal and imperfect."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from posflock_robotarium import metrics
+from posflock_robotarium.flock import Flock
+from posflock_robotarium.placement import random_poses
+from posflock_robotarium.poselog import Log
+from posflock_robotarium.summary import Summary, summarise
+from posflock_robotarium.trial import simulate
+
+Floats = NDArray[np.float64]
+
+ROBOTS = 9
+DURATION = 120.0
+#: Robots start in a square of this side, at least so far apart, metres.
+START_SIDE, START_SPACING = 1.0, 0.30
+
+
+@dataclass
+class Noise:
+    """The simplest imperfect arena: every velocity and every measured position is off.
+
+    Attributes
+    ----------
+    actuation : float
+        Standard deviation of the share by which a robot misses its v and its ω, each step.
+    tracking : float
+        Standard deviation of measured x and y, metres.
+    """
+
+    actuation: float = 0.10
+    tracking: float = 0.001
+    _rng: np.random.Generator = field(default_factory=np.random.default_rng, init=False)
+
+    def reset(self, poses: Floats, time_step: float, rng: np.random.Generator) -> None:
+        """Begin a run that draws from `rng`."""
+        self._rng = rng
+
+    def actuate(self, velocities: Floats, poses: Floats, time: float) -> Floats:
+        """Return what robots drive, (2, N), for what was commanded."""
+        missed = self.actuation * self._rng.standard_normal(velocities.shape)
+        return np.asarray(velocities * (1.0 + missed))
+
+    def observe(self, poses: Floats) -> Floats:
+        """Return what tracking reports, (3, N), of true poses."""
+        seen: Floats = poses.copy()
+        seen[:2] += self.tracking * self._rng.standard_normal((2, poses.shape[1]))
+        return seen
+
+
+def drive(seed: int, *, imperfect: bool) -> tuple[Log, Summary, Floats, Floats]:
+    """Run the experiment once.
+
+    Parameters
+    ----------
+    seed : int
+        What the start, and the noise, are drawn from.
+    imperfect : bool
+        Whether the arena is noisy.
+
+    Returns
+    -------
+    log : Log
+        With true poses.
+    summary : Summary
+        Of the true poses.
+    gamma_headings, gamma_motion : (T,) array
+        γ over time.
+    """
+    start = random_poses(
+        ROBOTS, np.random.default_rng(seed), side=START_SIDE, spacing=START_SPACING
+    )
+    flock = Flock()
+    radius = float(np.max(flock.law.radius))
+    trial = simulate(flock, start, DURATION, realism=Noise() if imperfect else None, seed=seed)
+    log = trial.truth()
+    positions = log.poses[:, :2]
+    moving = metrics.smoothed_velocities(positions, flock.time_step)
+    return (
+        log,
+        summarise(log, radius),
+        metrics.alignment(metrics.heading_vectors(log.poses), positions, radius).gamma,
+        metrics.alignment(moving, positions, radius).gamma,
+    )
