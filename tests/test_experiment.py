@@ -122,9 +122,9 @@ def test_a_killed_run_keeps_every_step_before(tmp_path, short_run):
     deadline = time.monotonic() + 60
     while time.monotonic() < deadline:
         time.sleep(0.05)
-        if (tmp_path / "nine_robots.npy").exists() and len(
-            read_log(tmp_path / "nine_robots").t
-        ) > 300:
+        # The description is written once the rows have their room.
+        begun = (tmp_path / "nine_robots.json").exists()
+        if begun and len(read_log(tmp_path / "nine_robots").t) > 300:
             break
     os.kill(child.pid, signal.SIGKILL)
     child.communicate()
