@@ -21,7 +21,7 @@ _NO_RESIDUAL = 1e-9
 _BROKEN = 1e-10  # m/s
 # Where rows depend on each other, scipy's routine can stop short of the optimum, silently and by a
 # lot. The last row of E can be scaled at will (z then comes out scaled), and another scale takes
-# another path; whether the rows hold tells.
+# another path; whether the rows hold tells. In units of the largest excess.
 _SCALES = (1.0, 10.0, 0.3, 100.0)
 
 
@@ -49,7 +49,11 @@ def solve(
     aim[-1] = 1.0
     maxiter = options.get("maxiter")
     point: FloatArray | None = None
+    worst = float(excess.max())
+    if worst <= 0.0:
+        return target
     for scale in _SCALES:
+        scale *= worst
         np.divide(excess, scale, out=system[-1])
         try:
             weights, _ = nnls(system, aim, maxiter=None if maxiter is None else int(maxiter))
