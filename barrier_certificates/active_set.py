@@ -22,6 +22,7 @@ from barrier_certificates.rows import FloatArray, IntArray, Rows
 
 _DENSE_UP_TO = 150  # binding rows; above, factorising the sparse matrix is faster
 _POLISHES = 6
+_TIGHT = 1e-12  # binding rows hold as equations to within rounding, relative to the largest excess
 
 
 def guess(
@@ -64,11 +65,14 @@ def guess(
         if solved is None:
             return None, multiplier, binding, count
         point, multiplier, binding = solved
-        broken = rows.excess(point) > tolerance
+        gap = rows.excess(point)
+        broken = gap > tolerance
         pulling = multiplier < 0.0
         if pulling.any():
             binding = binding[~pulling]
         elif not broken.any():
+            if np.abs(gap.take(binding)).max() > _TIGHT * max(1.0, float(np.abs(excess).max())):
+                return None, multiplier, binding, count  # too ill-conditioned to prove anything
             return point, multiplier, binding, count
         broken[binding] = True
         binding = broken.nonzero()[0]
