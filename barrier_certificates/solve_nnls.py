@@ -63,6 +63,6 @@ def solve(
         if math.sqrt(residual @ residual) < _NO_RESIDUAL or residual[-1] == 0.0:
             return None
         point = target - residual[:-1] * (scale / residual[-1])
-        if (matrix @ point - bound).max() <= _BROKEN:
+        if (matrix @ point - bound).max() <= max(_BROKEN, 1e-14 * worst):
             break
     return point

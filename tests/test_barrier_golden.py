@@ -92,9 +92,9 @@ def test_recorded_optima_are_reproduced(family, solver):
             continue
         velocity, info = certify(case, solver)
         assert info.status in ("trivial", "optimal"), case["id"]
-        assert info.violation <= 1e-9, case["id"]
-        # A few recorded probes are of hundreds of m/s; there the figure is relative.
+        # A few recorded probes are of up to 1400 km/s; there figures are relative.
         scale = max(1.0, np.abs(case["optimum"]).max())
+        assert info.violation <= 1e-9 * scale, case["id"]
         assert np.abs(velocity - case["optimum"]).max() <= 1e-8 * scale, case["id"]
 
 
