@@ -14,6 +14,8 @@ exact solver takes over from the rows seen so far.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from scipy.linalg import lapack
 from scipy.sparse.linalg import splu
@@ -22,11 +24,33 @@ from barrier_certificates.rows import FloatArray, IntArray, Rows
 
 _DENSE_UP_TO = 150  # binding rows; above, factorising the sparse matrix is faster
 _POLISHES = 6
+_TIGHT = 1e-12  # binding rows hold as equations to within rounding, relative to the largest excess
+
+
+class Guess(NamedTuple):
+    """What guessing came to.
+
+    Attributes
+    ----------
+    point : (size,) array or None
+        The optimum, or None where the guesses did not settle.
+    binding : integer array
+        The rows that bind.
+    violation : float
+        Largest excess over all rows at the point, m/s.
+    solved : int
+        Linear systems solved.
+    """
+
+    point: FloatArray | None
+    binding: IntArray
+    violation: float
+    solved: int
 
 
 def guess(
     rows: Rows, target: FloatArray, excess: FloatArray, warm: IntArray, tolerance: float, tries: int
-) -> tuple[FloatArray | None, FloatArray, IntArray, int]:
+) -> Guess:
     """Find the nearest point by guessing which rows bind.
 
     Parameters
@@ -43,36 +67,31 @@ def guess(
         A row is broken when its excess is above this, m/s.
     tries : int
         Give up after so many guesses.
-
-    Returns
-    -------
-    point : (size,) array or None
-        The optimum, or None where the guesses did not settle.
-    multipliers, rows : arrays
-        Multipliers and indices of the binding rows (or, without a point, those guessed last).
-    int
-        Linear systems solved.
     """
-    binding = warm if warm.shape[0] else _worst_of_each_robot(rows, excess, tolerance)
-    multiplier = excess[:0]
+    binding = warm
     for count in range(1, tries + 1):
-        if not binding.shape[0]:  # all of last time's rows pull, and hide no broken one
+        if not binding.shape[0]:  # nothing remembered, or all of it pulls and hides no broken row
             binding = _worst_of_each_robot(rows, excess, tolerance)
         if binding.shape[0] > rows.size:
-            return None, multiplier, binding, count
+            break
         solved = _solve(rows, target, excess, binding)
         if solved is None:
-            return None, multiplier, binding, count
+            break
         point, multiplier, binding = solved
-        broken = rows.excess(point) > tolerance
-        pulling = multiplier < 0.0
-        if pulling.any():
-            binding = binding[~pulling]
-        elif not broken.any():
-            return point, multiplier, binding, count
+        gap = rows.excess(point)
+        worst = gap[gap.argmax()]
+        pulling = multiplier[multiplier.argmin()] < 0.0
+        if not pulling and worst <= tolerance:
+            slack = gap.take(binding)
+            if -slack[slack.argmin()] > _TIGHT * max(1.0, excess[excess.argmax()]):
+                break  # too ill-conditioned to prove anything
+            return Guess(point, binding, float(worst), count)
+        if pulling:
+            binding = binding[multiplier >= 0.0]
+        broken = gap > tolerance
         broken[binding] = True
         binding = broken.nonzero()[0]
-    return None, multiplier, binding, tries
+    return Guess(None, binding, np.inf, count)
 
 
 def _worst_of_each_robot(rows: Rows, excess: FloatArray, tolerance: float) -> IntArray:
@@ -143,5 +162,5 @@ def polish(
     if not binding.shape[0]:
         return near
     excess = chosen.excess(target)
-    point, _, _, _ = guess(chosen, target, excess, binding, 1e-11, _POLISHES)
+    point = guess(chosen, target, excess, binding, 1e-11, _POLISHES).point
     return near if point is None else point

@@ -64,8 +64,8 @@ class WheelDisturbance:
 
     @property
     def _along(self) -> float:
-        return self.bound * self.wheel_radius
+        return abs(self.bound * self.wheel_radius)
 
     @property
     def _across(self) -> float:
-        return self._along * 2.0 * self.projection_distance / self.base_length
+        return abs(self._along * 2.0 * self.projection_distance / self.base_length)

@@ -90,7 +90,7 @@ class VelocityPolygon:
     Raises
     ------
     ParameterError
-        If a bound is not positive (zero velocity must be allowed, or robots could not stop).
+        If a bound is negative: zero velocity must be allowed, or robots could not stop.
     """
 
     normals: FloatArray
@@ -100,8 +100,8 @@ class VelocityPolygon:
     def __post_init__(self) -> None:
         bounds = np.asarray(self.bounds, dtype=float)
         lengths = np.hypot(*np.asarray(self.normals, dtype=float))
-        if not (np.all(np.isfinite(bounds)) and np.all(bounds > 0.0) and np.all(lengths > 0.0)):
-            raise ParameterError(f"limits are {bounds} m/s; expected positive finite numbers")
+        if not (np.all(np.isfinite(bounds)) and np.all(bounds >= 0.0) and np.all(lengths > 0.0)):
+            raise ParameterError(f"limits are {bounds} m/s; expected finite numbers, none negative")
         object.__setattr__(self, "normals", np.asarray(self.normals, dtype=float) / lengths)
         object.__setattr__(self, "bounds", bounds / lengths)
 
@@ -125,7 +125,7 @@ class VelocityPolygon:
 
     def without_idle_sides(self) -> VelocityPolygon:
         """Leave out the sides that the others imply, and repeated ones."""
-        if not self._closed():
+        if not self._closed() or not np.all(self.bounds > 0.0):
             return self
         vertices = self._vertices()
         touch = np.abs(self.normals.T @ vertices - self.bounds[:, None]) < 1e-12

@@ -47,6 +47,9 @@ Status = Literal["trivial", "optimal", "relaxed", "failed"]
 TOLERANCE = 1e-9
 """A row holds when it is broken by no more than this, m/s."""
 
+_ROUNDING = 1e-14
+"""Rounding of rows, relative: where nothing limits speeds, overlaps can ask for 100 km/s."""
+
 _NO_ROWS: IntArray = np.zeros(0, dtype=np.intp)
 _GUESSES = 8
 _ROUNDS = 50
@@ -137,6 +140,7 @@ class Projector:
         self.options: Mapping[str, float] = dict(options or {})
         self._warm: IntArray = _NO_ROWS
         self._warm_for = (0, 0)
+        self._tolerance = TOLERANCE
 
     def reset(self) -> None:
         """Forget which rows bound last time."""
@@ -169,49 +173,51 @@ class Projector:
             )
         target = desired.T.reshape(-1)
         excess = rows.excess(target)
-        worst = float(excess.max()) if excess.shape[0] else 0.0
+        worst = float(excess[excess.argmax()]) if excess.shape[0] else 0.0
+        if not (math.isfinite(worst) and math.isfinite(float(np.add.reduce(target)))):
+            return self._not_finite(desired)
         if worst <= TOLERANCE:
-            if not math.isfinite(float(np.add.reduce(target))):
-                return self._not_finite(desired)
             self._warm = _NO_ROWS
             return desired.copy(), ProjectionInfo("trivial", max(worst, 0.0), rows=rows)
-        if not (math.isfinite(float(np.add.reduce(target))) and math.isfinite(float(excess.sum()))):
-            return self._not_finite(desired)
-        point, info = self._nearest(target, rows, excess)
+        info = ProjectionInfo("optimal", rows=rows)
+        self._tolerance = max(TOLERANCE, _ROUNDING * worst)
+        point = self._nearest(target, rows, excess, info)
         if point is None:
-            point, info = self._without_solution(target, rows, excess, top_speed, info)
-        velocity = np.ascontiguousarray(point.reshape(-1, 2).T)
-        shift = velocity - desired
-        info.moved = math.sqrt(float((shift * shift).sum(axis=0).max()))
-        return velocity, info
+            point = self._without_solution(target, rows, excess, top_speed, info)
+        info.moved = largest_shift(point, target)
+        return point.reshape(-1, 2).T.copy(), info
 
     def _nearest(
-        self, target: FloatArray, rows: Rows, excess: FloatArray
-    ) -> tuple[FloatArray | None, ProjectionInfo]:
+        self, target: FloatArray, rows: Rows, excess: FloatArray, info: ProjectionInfo
+    ) -> FloatArray | None:
         """Return the optimum, or None where no point satisfies all rows."""
         warm = self._recall(rows)
-        info = ProjectionInfo("optimal", rows=rows)
         if self.solver == "auto":
-            point, _, binding, info.iterations = guess(
-                rows, target, excess, warm, TOLERANCE, _GUESSES
+            point, info.binding, violation, info.iterations = guess(
+                rows, target, excess, warm, self._tolerance, _GUESSES
             )
-            if point is not None:
-                return self._accept(point, rows, binding, info, "active set")
-        name = solvers.choose(self.solver, rows.size)
-        working = excess > TOLERANCE
-        working[warm] = True
-        point, name = self._exact(rows, target, working, name, info)
+            info.solver = "active set"
+        else:
+            point = None
         if point is None:
-            return None, info
-        gap = rows.excess(point)
-        return self._accept(point, rows, (working & (gap > -_BINDS)).nonzero()[0], info, name)
+            working = excess > self._tolerance
+            working[warm] = True
+            point, info.solver = self._exact(rows, target, working, info)
+            if point is None:
+                return None
+            gap = rows.excess(point)
+            violation = float(gap[gap.argmax()])
+            info.binding = (working & (gap > -_BINDS)).nonzero()[0]
+        info.violation = max(violation, 0.0)
+        self._warm = info.binding if rows.key is None else rows.key[info.binding]
+        self._warm_for = _team(rows)
+        return point
 
     def _exact(
         self,
         rows: Rows,
         target: FloatArray,
         working: BoolArray,
-        name: str,
         info: ProjectionInfo,
     ) -> tuple[FloatArray | None, str]:
         """Solve for the working rows, add those that are broken, until none is; and by whom.
@@ -219,12 +225,13 @@ class Projector:
         A solver that finds no point, or one that breaks the rows it was given, may be mistaken or
         out of iterations: another one has to agree.
         """
+        name = solvers.choose(self.solver, rows.size)
         asked = [name]
         for _ in range(_ROUNDS):
             which = working.nonzero()[0]
             info.iterations += 1
             point = solvers.load(name)(rows, which, target, self._options_of(name))
-            broken = None if point is None else rows.excess(point) > TOLERANCE
+            broken = None if point is None else rows.excess(point) > self._tolerance
             if broken is None or broken[which].any():
                 second = solvers.confirm(name, rows.size)
                 if second in asked:
@@ -249,19 +256,6 @@ class Projector:
             return self._warm
         return np.flatnonzero(np.isin(rows.key, self._warm))
 
-    def _accept(
-        self, point: FloatArray, rows: Rows, binding: IntArray, info: ProjectionInfo, solver: str
-    ) -> tuple[FloatArray | None, ProjectionInfo]:
-        """Check every row once more, and remember the binding ones."""
-        info.violation = max(float(rows.excess(point).max()), 0.0)
-        info.solver = solver
-        if not info.violation <= TOLERANCE:
-            return None, info
-        info.binding = binding
-        self._warm = binding if rows.key is None else rows.key[binding]
-        self._warm_for = _team(rows)
-        return point, info
-
     def _without_solution(
         self,
         target: FloatArray,
@@ -269,7 +263,7 @@ class Projector:
         excess: FloatArray,
         top_speed: float,
         info: ProjectionInfo,
-    ) -> tuple[FloatArray, ProjectionInfo]:
+    ) -> FloatArray:
         """Do what the policy says where no velocity satisfies all rows."""
         self._warm = _NO_ROWS
         if self.on_infeasible == "raise":
@@ -283,11 +277,11 @@ class Projector:
             point = self._relaxed(target, rows, top_speed, info)
             if point is not None:
                 info.status = "relaxed"
-                return point, info
+                return point
         point = np.zeros_like(target)
-        info.status = "failed"
+        info.status, info.solver, info.binding = "failed", "", _NO_ROWS
         info.violation = max(float(rows.excess(point).max()), 0.0)
-        return point, info
+        return point
 
     def _relaxed(
         self, target: FloatArray, rows: Rows, top_speed: float, info: ProjectionInfo
@@ -298,9 +292,8 @@ class Projector:
         softened.bound = np.maximum(rows.bound, -math.sqrt(2.0) * top_speed)
         start = np.zeros(softened.size)
         start[: rows.size] = target
-        working = softened.excess(start) > TOLERANCE
-        name = solvers.choose(self.solver, rows.size)
-        point, name = self._exact(softened, start, working, name, info)
+        working = softened.excess(start) > self._tolerance
+        point, info.solver = self._exact(softened, start, working, info)
         if point is None:
             return None
         velocity = point[: rows.size]
@@ -308,7 +301,6 @@ class Projector:
         hard = np.isinf(rows.weight)
         if hard.any() and not float(excess[hard].max()) <= TOLERANCE:
             return None
-        info.solver = name
         info.violation = max(float(excess.max()), 0.0)
         info.binding = (working & (softened.excess(point) > -_BINDS)).nonzero()[0]
         return velocity
@@ -319,6 +311,14 @@ class Projector:
         if self.on_infeasible == "raise":
             raise NotFiniteError("poses or commands hold NaN or infinity; expected finite numbers")
         return np.zeros_like(desired), ProjectionInfo("failed", math.nan, moved=math.nan)
+
+
+def largest_shift(point: FloatArray, target: FloatArray) -> float:
+    """Return the longest of the robots' ways from target to point, both (2N,) robot by robot."""
+    shift = point - target
+    shift *= shift
+    square = shift[::2] + shift[1::2]
+    return math.sqrt(square[square.argmax()])
 
 
 def _team(rows: Rows) -> tuple[int, int]:

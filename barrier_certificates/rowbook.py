@@ -17,6 +17,8 @@ from scipy.spatial import cKDTree
 from barrier_certificates.pairs import PairRows
 from barrier_certificates.rows import WORLD, Barrier, Family, IntArray, Rows, Scene
 
+_DENSE_UP_TO = 20_000  # entries; beyond, a dense matrix besides costs more than it saves
+
 
 class RowBook:
     """The rows of a team, family after family, written into arrays that live from step to step.
@@ -60,14 +62,15 @@ class RowBook:
         for family, coefficient, bound in self._sections:
             barrier = family.update(scene, coefficient, bound)
             h, clearance = min(h, barrier.h), min(clearance, barrier.clearance)
-        if self.pairs is None or number < 2:
-            return self._rows, Barrier(h, clearance)
-        if self._all_pairs is not None:
+        if self.pairs is not None and number > 1:
+            if self._all_pairs is None:
+                return self._write_near(scene, Barrier(h, clearance))
             barrier = self.pairs.write(
                 scene, self._all_pairs, self._pair_coefficient, self._pair_bound
             )
-            return self._rows, Barrier(min(h, barrier.h), min(clearance, barrier.clearance))
-        return self._write_near(scene, Barrier(h, clearance))
+            h, clearance = min(h, barrier.h), min(clearance, barrier.clearance)
+        self._rows.refresh()
+        return self._rows, Barrier(h, clearance)
 
     def _lay_out(self, number: int) -> None:
         """Allocate for this number of robots, and write what does not change."""
@@ -105,6 +108,8 @@ class RowBook:
             _labeller(fixed_labels, self._fixed, every),
         )
         self._label_fixed = fixed_labels
+        if not prune and total * 2 * number <= _DENSE_UP_TO:
+            self._rows.keep_dense()
 
     def _fixed_label(self, number: int) -> Callable[[int], str]:
         starts = np.cumsum([0] + [family.partners(number).shape[1] for family in self.families])

@@ -82,7 +82,18 @@ class Rows:
         Names that stay with a row from step to step while rows come and go; its index by default.
     """
 
-    __slots__ = ("bound", "coefficient", "index", "key", "label", "size", "weight")
+    __slots__ = (
+        "_flat",
+        "_padded",
+        "_place",
+        "bound",
+        "coefficient",
+        "index",
+        "key",
+        "label",
+        "size",
+        "weight",
+    )
 
     def __init__(
         self,
@@ -101,24 +112,47 @@ class Rows:
         self.weight = weight
         self.label = label
         self.key = key
+        self._padded = np.zeros(size + 1)  # the world, which is last, stands still
+        self._flat: FloatArray | None = None
 
     def __len__(self) -> int:
         return int(self.bound.shape[0])
 
+    def keep_dense(self) -> None:
+        """Keep a dense matrix besides, which is faster while it fits the processor's cache.
+
+        `refresh` has to follow every change of the coefficients.
+        """
+        width = self.size + 1
+        self._flat = np.zeros(len(self) * width)
+        self._place = self.index + np.arange(0, self._flat.shape[0], width)
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Bring the dense matrix up to date, if there is one."""
+        if self._flat is not None:
+            # Only the world can occur twice in a row, and its column is never read.
+            self._flat[self._place] = self.coefficient
+
     def excess(self, x: FloatArray) -> FloatArray:
         """Return how far each row is broken at ``x``, (m,) in m/s; negative where it holds."""
-        padded = np.empty(self.size + 1)
-        padded[:-1] = x
-        padded[-1] = 0.0
-        product = padded.take(self.index)
+        total: FloatArray
+        if self._flat is not None:
+            total = self._flat.reshape(-1, self.size + 1)[:, : self.size] @ x
+            total -= self.bound
+            return total
+        self._padded[:-1] = x
+        product = self._padded.take(self.index)
         product *= self.coefficient
-        total: FloatArray = np.add.reduce(product, axis=0)
+        total = np.add.reduce(product, axis=0)
         total -= self.bound
         return total
 
     def dense(self, which: IntArray) -> FloatArray:
         """Return the chosen rows as a matrix, shape (len(which), size)."""
         width = self.size + 1
+        if self._flat is not None:
+            return self._flat.reshape(-1, width).take(which, axis=0)[:, : self.size]
         flat = np.zeros(which.shape[0] * width)
         # Only the world can occur twice in a row, and its column is cut off.
         place = self.index.take(which, axis=1)

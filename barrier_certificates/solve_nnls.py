@@ -9,6 +9,7 @@ rows. It is finite and exact to rounding, and asks for nothing beyond scipy.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -17,6 +18,11 @@ from scipy.optimize import nnls
 from barrier_certificates.rows import FloatArray, IntArray, Rows
 
 _NO_RESIDUAL = 1e-9
+_BROKEN = 1e-10  # m/s
+# Where rows depend on each other, scipy's routine can stop short of the optimum, silently and by a
+# lot. The last row of E can be scaled at will (z then comes out scaled), and another scale takes
+# another path; whether the rows hold tells. In units of the largest excess.
+_SCALES = (1.0, 10.0, 0.3, 100.0)
 
 
 def solve(
@@ -35,19 +41,28 @@ def solve(
     options : mapping
         ``maxiter``: as in `scipy.optimize.nnls`.
     """
-    matrix = rows.dense(which)
+    matrix, bound = rows.dense(which), rows.bound.take(which)
     system = np.empty((rows.size + 1, which.shape[0]))
     np.negative(matrix.T, out=system[:-1])
-    system[-1] = matrix @ target - rows.bound[which]
+    excess = matrix @ target - bound
     aim = np.zeros(rows.size + 1)
     aim[-1] = 1.0
     maxiter = options.get("maxiter")
-    try:
-        weights, _ = nnls(system, aim, maxiter=None if maxiter is None else int(maxiter))
-    except RuntimeError:  # out of iterations
-        return None
-    residual = system @ weights - aim
-    if -residual[-1] < _NO_RESIDUAL**2 or np.linalg.norm(residual) < _NO_RESIDUAL:
-        return None
-    point: FloatArray = target - residual[:-1] / residual[-1]
+    point: FloatArray | None = None
+    worst = float(excess.max())
+    if worst <= 0.0:
+        return target
+    for scale in _SCALES:
+        scale *= worst
+        np.divide(excess, scale, out=system[-1])
+        try:
+            weights, _ = nnls(system, aim, maxiter=None if maxiter is None else int(maxiter))
+        except RuntimeError:  # out of iterations
+            continue
+        residual = system @ weights - aim
+        if math.sqrt(residual @ residual) < _NO_RESIDUAL or residual[-1] == 0.0:
+            return None
+        point = target - residual[:-1] * (scale / residual[-1])
+        if (matrix @ point - bound).max() <= max(_BROKEN, 1e-14 * worst):
+            break
     return point
