@@ -135,7 +135,7 @@ def near(targets: Array, robot: RobotModel, rng: np.random.Generator) -> Array:
     robots = targets.shape[1]
     poses: Array
     for attempt in range(200):
-        reach = ARRIVAL_POSITION * np.sqrt(rng.uniform(0, 1, robots)) * 0.98**attempt
+        reach = ARRIVAL_POSITION * np.sqrt(rng.uniform(0, 1, robots)) * float(0.98**attempt)
         course = rng.uniform(-np.pi, np.pi, robots)
         turn = rng.uniform(-ARRIVAL_HEADING, ARRIVAL_HEADING, robots)
         poses = targets + np.stack([reach * np.cos(course), reach * np.sin(course), turn])
@@ -144,7 +144,7 @@ def near(targets: Array, robot: RobotModel, rng: np.random.Generator) -> Array:
         poses[2] = np.arctan2(np.sin(poses[2]), np.cos(poses[2]))
         if robots < 2 or _nearest_pair(poses, robot.collision_offset)[0] > robot.collision_diameter:
             return poses
-    return targets.copy()
+    return np.array(targets)
 
 
 class Drive:

@@ -5,6 +5,9 @@ from typing import Any, NoReturn
 from rps_compat.errors import WrongGenerationError
 from rps_compat.generations import ATTRIBUTES
 
+#: Attributes of an instance: generation 1's name → generation 2's.
+RENAMED = ATTRIBUTES
+
 _RIGHT = {1: {new: old for old, new in ATTRIBUTES.items()}, 2: ATTRIBUTES}
 
 
