@@ -38,6 +38,7 @@ def _posflock(
 # What comes after a script's name is the script's own.
 SCRIPT_ARGUMENTS = {"allow_extra_args": True, "allow_interspersed_args": False}
 app.command(context_settings=SCRIPT_ARGUMENTS)(run.run)
+app.command()(run.lint)
 
 
 def main() -> None:

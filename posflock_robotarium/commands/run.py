@@ -84,3 +84,57 @@ def run(
         raise ParameterError(str(error)) from error
     typer.echo(json.dumps(result.as_dict(), indent=1) if as_json else summary(result))
     raise typer.Exit(result.exit_code)
+
+
+def lint(
+    script: Annotated[Path, typer.Argument(help="A script of generation 1 or 2.")],
+    to: Annotated[
+        int, typer.Option(min=0, max=2, help="2 rewrites the script for generation 2.")
+    ] = 0,
+    out: Annotated[
+        Optional[Path],
+        typer.Option("-o", "--out", help="File for the rewritten script. Default: the terminal."),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the findings as JSON.")] = False,
+) -> None:
+    """List what has to change before the testbed of today runs a script; change it with --to 2.
+
+    Names of generation 1, defaults that changed, and what numpy 2.2 and Python 3.10 do not have.
+    The exit code is 0 when nothing was found, 1 when something is to be changed.
+
+    [bold]Examples[/bold]
+
+        posflock lint old_script.py
+
+        posflock lint old_script.py --to 2 -o new_script.py
+    """
+    import json
+    from dataclasses import asdict
+
+    from posflock_robotarium.errors import OutputError, ParameterError
+    from rps_compat.errors import RobotariumError
+    from rps_compat.lint import lint_script, rewritten
+
+    if to == 1:
+        raise ParameterError("--to 1: scripts are rewritten for generation 2 only")
+    try:
+        source, findings = lint_script(script)
+    except RobotariumError as error:
+        raise ParameterError(str(error)) from error
+    if as_json:
+        typer.echo(json.dumps([asdict(finding) for finding in findings], indent=1))
+    else:
+        for finding in findings:
+            left = "" if finding.edits or finding.kind == "default" or not to else "  [by hand]"
+            typer.echo(f"{script}:{finding.line}: {finding.message}{left}", err=bool(to))
+    if to:
+        new = rewritten(source, findings)
+        if out is None:
+            typer.echo(new.decode(), nl=False)
+        else:
+            try:
+                out.parent.mkdir(parents=True, exist_ok=True)
+                out.write_bytes(new)
+            except OSError as error:
+                raise OutputError(f"cannot write {out}: {error.strerror or error}") from error
+    raise typer.Exit(1 if findings else 0)
