@@ -5,6 +5,7 @@ import sys
 import typer
 
 from posflock_robotarium import __version__
+from posflock_robotarium.commands import run
 from posflock_robotarium.errors import PosflockError
 
 app = typer.Typer(
@@ -34,6 +35,10 @@ def _posflock(
 
 
 # Each family of commands is registered here, in the order a researcher meets them.
+# What comes after a script's name is the script's own.
+SCRIPT_ARGUMENTS = {"allow_extra_args": True, "allow_interspersed_args": False}
+app.command(context_settings=SCRIPT_ARGUMENTS)(run.run)
+app.command()(run.lint)
 
 
 def main() -> None:

@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING, Any
 from rps_compat.lazy import LazyModule
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 plt = LazyModule("matplotlib.pyplot")
@@ -78,7 +77,7 @@ class ArenaFigure:
     ----------
     figure : matplotlib.figure.Figure
         pyplot's current figure from now on, so bare ``plt.plot`` draws on the arena.
-    axes : matplotlib.axes.Axes
+    axes : rps_compat.axes.Axes
         Axes in metres, equal in both directions, without frame or ticks.
     """
 
@@ -89,9 +88,13 @@ class ArenaFigure:
         limits: tuple[float, float, float, float],
         update: Callable[[], None],
     ) -> None:
+        from rps_compat.axes import Axes
+
         _close_orphans()
         self.figure: Figure = _new_figure(size)
-        self.axes: Axes = self.figure.add_axes((0.0, 0.0, 1.0, 1.0))
+        self.axes = Axes(self.figure, (0.0, 0.0, 1.0, 1.0))
+        self.figure.add_axes(self.axes)
+        self.axes.puts_off = not self.in_window
         _opened.append((weakref.ref(owner), self.figure))
         axes = self.axes
         axes.set_aspect("equal")

@@ -1,16 +1,41 @@
-"""Initial conditions: what may be asked for, and how robots come to them."""
+"""Initial conditions: what may be asked for, and how robots come to them.
+
+On the testbed every experiment begins with a drive: the robots leave their chargers, go to the
+poses that the script asks for, and the experiment starts when all are within tolerance. Generation
+2 simulates that drive. Here it is done with the exact certificate of :mod:`barrier_certificates`,
+which keeps the very points apart that the collision test looks at.
+
+Who starts where is free, so the starts are assigned to the robots such that the sum of squared
+ways is smallest. Straight ways then do not cross, and if all robots keep to the same timetable they
+do not meet (concurrent assignment and planning of trajectories, Turpin et al. 2014). What is left
+to the certificate is turning and the last centimetres; a team that still gets stuck is shaken by a
+little noise until it comes loose.
+"""
 
 import math
-from typing import Any
+import warnings
+from collections.abc import Callable, Iterator
+from typing import Any, Literal
 
 import numpy as np
 
-from rps_compat.arena import Array
-from rps_compat.errors import InitialConditionsError
+from rps_compat.arena import Arena, Array, RobotModel
+from rps_compat.errors import InitialConditionsError, UnreachableError
+
+#: How near the drive brings every robot, as the published simulator: metres and radians.
+POSITION_TOLERANCE, HEADING_TOLERANCE = 0.02, 0.18
+#: How near the testbed brings them.
+ARRIVAL_POSITION, ARRIVAL_HEADING = 0.05, 0.2
+#: A drive that takes longer than this has failed, seconds.
+LONGEST_DRIVE = 600.0
+
+_CRUISE = 0.15  # m/s of the robot with the longest way
+_SAFETY = 0.01  # m that the certificate keeps beyond the collision diameter
+_PATIENCE = 90  # steps without progress before the robots are shaken
 
 
 def checked_poses(poses: Any, number_of_robots: int) -> Array:
-    """Copy of `poses` (3, N) as floats, whatever kind of number they are.
+    """Copy `poses` (3, N) as floats, whatever kind of number they are.
 
     Raises
     ------
@@ -32,10 +57,246 @@ def checked_poses(poses: Any, number_of_robots: int) -> Array:
             f"initial_conditions are of type {poses.dtype}, expected metres and radians as numbers"
         )
     copy = np.array(poses, dtype=float)
-    if not math.isfinite(copy.sum()):
+    if not math.isfinite(np.abs(copy).max(initial=0.0)):
         row, robot = (int(k) for k in np.argwhere(~np.isfinite(copy))[0])
         raise InitialConditionsError(
             f"initial_conditions[{row}, {robot}] ({('x', 'y', 'theta')[row]} of robot {robot}) is "
             f"{copy[row, robot]}, expected a finite number"
         )
     return copy
+
+
+def require_possible(poses: Array, robot: RobotModel, *, apart: bool) -> None:
+    """Check that robots can stand at `poses` (3, N).
+
+    Raises
+    ------
+    InitialConditionsError
+        A robot is outside the arena; or, if they have to be `apart`, two are too close. If they
+        need not be, two that are too close are only warned of: the run's report will count them.
+    """
+    x, y, _ = poses
+    x_min, x_max, y_min, y_max = robot.boundaries
+    outside = np.flatnonzero((x < x_min) | (x > x_max) | (y < y_min) | (y > y_max))
+    if outside.size:
+        one = int(outside[0])
+        raise InitialConditionsError(
+            f"robot {one} cannot start at ({x[one]:g}, {y[one]:g}): the arena is "
+            f"{x_min:g} <= x <= {x_max:g}, {y_min:g} <= y <= {y_max:g} (metres)"
+        )
+    if poses.shape[1] < 2:
+        return
+    distance, first, second = _nearest_pair(poses, robot.collision_offset)
+    if distance <= robot.collision_diameter:
+        message = (
+            f"robots {first} and {second} would start too close: their collision points are "
+            f"{100 * distance:.1f} cm apart, less than {100 * robot.collision_diameter:.1f} cm"
+        )
+        if apart:
+            raise InitialConditionsError(message + "; the robots cannot be driven there")
+        warnings.warn(message, stacklevel=5)
+
+
+def _nearest_pair(poses: Array, ahead: float) -> tuple[float, int, int]:
+    i, j = np.triu_indices(poses.shape[1], 1)
+    bodies = poses[:2] + ahead * np.array([np.cos(poses[2]), np.sin(poses[2])])
+    distances = np.hypot(*(bodies[:, i] - bodies[:, j]))
+    nearest = int(distances.argmin())
+    return float(distances[nearest]), int(i[nearest]), int(j[nearest])
+
+
+def starting_places(targets: Array, robot: RobotModel, rng: np.random.Generator) -> Array:
+    """Draw poses (3, N) from which robots can drive to `targets` (3, N), well apart.
+
+    The places are drawn from a grid that holds up to 50 robots, jittered, and assigned to the
+    robots with the smallest sum of squared ways; headings are random.
+    """
+    from scipy.optimize import linear_sum_assignment
+
+    robots = targets.shape[1]
+    x_min, x_max, y_min, y_max = robot.boundaries
+    across, down = np.meshgrid(
+        np.linspace(x_min + 0.15, x_max - 0.15, 10), np.linspace(y_min + 0.15, y_max - 0.15, 5)
+    )
+    grid = np.stack([across.ravel(), down.ravel()])
+    places = grid[:, rng.choice(grid.shape[1], robots, replace=False)]
+    places = places + rng.uniform(-0.03, 0.03, places.shape)
+    ways = ((targets[:2, :, None] - places[:, None, :]) ** 2).sum(axis=0)
+    _, chosen = linear_sum_assignment(ways)
+    return np.vstack([places[:, chosen], rng.uniform(-np.pi, np.pi, robots)])
+
+
+def near(targets: Array, robot: RobotModel, rng: np.random.Generator) -> Array:
+    """Draw poses (3, N) as the testbed's drive leaves them: within 5 cm and 0.2 rad of `targets`.
+
+    Errors that would bring two robots too close or one outside are drawn again, with less and less
+    error.
+    """
+    robots = targets.shape[1]
+    poses: Array
+    for attempt in range(200):
+        reach = ARRIVAL_POSITION * np.sqrt(rng.uniform(0, 1, robots)) * float(0.98**attempt)
+        course = rng.uniform(-np.pi, np.pi, robots)
+        turn = rng.uniform(-ARRIVAL_HEADING, ARRIVAL_HEADING, robots)
+        poses = targets + np.stack([reach * np.cos(course), reach * np.sin(course), turn])
+        poses[0] = np.clip(poses[0], robot.boundaries[0], robot.boundaries[1])
+        poses[1] = np.clip(poses[1], robot.boundaries[2], robot.boundaries[3])
+        poses[2] = np.arctan2(np.sin(poses[2]), np.cos(poses[2]))
+        if robots < 2 or _nearest_pair(poses, robot.collision_offset)[0] > robot.collision_diameter:
+            return poses
+    return np.array(targets)
+
+
+class Drive:
+    """Commands that bring a team to its initial conditions.
+
+    Parameters
+    ----------
+    targets
+        Where each robot is to stand, (3, N).
+    robot
+        Dimensions and limits of the robots.
+    rng
+        Draws the shaking.
+
+    Raises
+    ------
+    InitialConditionsError
+        Robots cannot stand at `targets`.
+    """
+
+    def __init__(self, targets: Array, robot: RobotModel, rng: np.random.Generator) -> None:
+        from barrier_certificates.unicycle import UnicycleCertificate
+
+        require_possible(targets, robot, apart=True)
+        self._targets, self._robot, self._rng = targets, robot, rng
+        ahead = robot.collision_offset
+        radius = robot.collision_diameter + _SAFETY
+        if targets.shape[1] > 1:
+            radius = min(radius, _nearest_pair(targets, ahead)[0] - 1e-3)
+        x_min, x_max, y_min, y_max = robot.boundaries
+        self._certificate = UnicycleCertificate(
+            safety_radius=max(radius, robot.collision_diameter + 1e-4),
+            barrier_gain=2000.0,
+            boundary=(x_min - ahead, x_max + ahead, y_min - ahead, y_max + ahead),
+            wall_margin=0.0,
+            projection_distance=ahead,
+            speed_limit=0.2,
+            turn_rate_limit=2.5,
+            wheel_limit=0.999 * robot.max_wheel_velocity,
+            wheel_radius=robot.wheel_radius,
+            base_length=robot.base_length,
+        )
+        self._settled = np.zeros(targets.shape[1], dtype=bool)
+        self._best = math.inf
+        self._idle = self._shaking = 0
+
+    def arrived(self, poses: Array) -> bool:
+        """Whether all robots at `poses` (3, N) are within tolerance."""
+        return bool((self._position_errors(poses) <= POSITION_TOLERANCE).all()) and bool(
+            (np.abs(self._turns(poses)) <= HEADING_TOLERANCE).all()
+        )
+
+    def _position_errors(self, poses: Array) -> Array:
+        errors: Array = np.hypot(*(self._targets[:2] - poses[:2]))
+        return errors
+
+    def _turns(self, poses: Array) -> Array:
+        turn = self._targets[2] - poses[2]
+        turns: Array = np.arctan2(np.sin(turn), np.cos(turn))
+        return turns
+
+    def commands(self, poses: Array) -> Array:
+        """Velocities (2, N) for robots at `poses` (3, N), certified."""
+        ahead = self._robot.collision_offset
+        ways = self._targets[:2] - poses[:2]
+        left = np.hypot(*ways)
+        # One timetable for all: who has the longest way drives at cruising speed.
+        longest = max(float(left.max()), 1e-9)
+        speed = np.maximum(_CRUISE * left / longest, np.minimum(1.5 * left, 0.08))
+        velocity = ways * (np.minimum(speed, 2.0 * left) / np.maximum(left, 1e-9))
+        # Near enough: stand and turn, unless pushed away again.
+        self._settled = left < np.where(self._settled, 0.9 * POSITION_TOLERANCE, 0.012)
+        turning = np.clip(2.0 * self._turns(poses), -2.0, 2.0)
+        aside = np.array([-np.sin(poses[2]), np.cos(poses[2])])
+        velocity = np.where(self._settled, ahead * turning * aside, velocity)
+        velocity = velocity + self._shake(float(left.sum() + 0.02 * np.abs(turning).sum()), poses)
+        safe, _ = self._certificate.project(velocity, poses)
+        along = np.array([np.cos(poses[2]), np.sin(poses[2])])
+        return np.stack([(safe * along).sum(axis=0), (safe * aside).sum(axis=0) / ahead])
+
+    def _shake(self, distance: float, poses: Array) -> Array:
+        """Noise for a team that makes no progress; nothing for one that does."""
+        if distance < self._best - 1e-3:
+            self._best, self._idle = distance, 0
+        self._idle += 1
+        if self._idle > _PATIENCE:
+            self._idle, self._shaking, self._best = 0, 45, math.inf
+            self._noise = self._rng.normal(0.0, 0.1, (2, poses.shape[1]))
+        if not self._shaking:
+            return np.zeros((2, poses.shape[1]))
+        self._shaking -= 1
+        return self._noise
+
+    def steps(self) -> Iterator[int]:
+        """Count the steps that a drive may take."""
+        return iter(range(int(LONGEST_DRIVE / self._robot.time_step)))
+
+    def failure(self, poses: Array) -> UnreachableError:
+        """Return the error that says which robots did not arrive at all, and how far they were."""
+        errors = self._position_errors(poses)
+        late = np.flatnonzero(
+            (errors > POSITION_TOLERANCE) | (np.abs(self._turns(poses)) > HEADING_TOLERANCE)
+        )
+        which = ", ".join(f"{robot} ({100 * errors[robot]:.1f} cm away)" for robot in late[:8])
+        return UnreachableError(
+            f"after {LONGEST_DRIVE:g} s of driving, {late.size} of {errors.size} robots were not "
+            f"at their initial conditions: robots {which}. Put the poses farther apart, or start "
+            "there with skip_initialization=True or --initial exact"
+        )
+
+
+def drive_to(
+    arena: Arena, targets: Array, rng: np.random.Generator, after_step: Callable[[], None]
+) -> None:
+    """Drive the robots of `arena` from where they are to `targets` (3, N), and stop them there.
+
+    `after_step` is called after each step, for sensors and windows.
+
+    Raises
+    ------
+    InitialConditionsError
+        Robots cannot stand at `targets`.
+    UnreachableError
+        They did not arrive; the message says which, and how far they were.
+    """
+    drive = Drive(targets, arena.robot, rng)
+    for _ in drive.steps():
+        poses = arena.observe()
+        if drive.arrived(poses):
+            break
+        arena.commands = drive.commands(poses)
+        arena.step()
+        after_step()
+    else:
+        raise drive.failure(arena.observe())
+    arena.commands = np.zeros((2, arena.number_of_robots))
+
+
+def first_poses(
+    targets: Array,
+    mode: Literal["exact", "arrive", "drive"],
+    robot: RobotModel,
+    rng: Callable[[], np.random.Generator],
+) -> Array:
+    """Where the robots of a new instance stand: at `targets` (3, N), near, or yet to be driven.
+
+    Raises
+    ------
+    InitialConditionsError
+        Robots cannot stand at `targets`.
+    """
+    require_possible(targets, robot, apart=mode == "drive")
+    if mode == "exact":
+        return targets
+    return (near if mode == "arrive" else starting_places)(targets, robot, rng())

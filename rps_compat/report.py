@@ -88,6 +88,20 @@ class RunReport:
         """Nobody too close, nobody outside: the testbed would not stop this run."""
         return not (self.steps_too_close or self.steps_outside)
 
+    @property
+    def verdict(self) -> str:
+        """The report in a few words."""
+        found = [
+            f"{steps} steps {what}"
+            for steps, what in (
+                (self.steps_too_close, "with robots too close"),
+                (self.steps_outside, "with robots outside"),
+                (self.steps_over_actuator_limits, "over the actuator limits"),
+            )
+            if steps
+        ]
+        return ", ".join(found) or "no violations"
+
     def as_dict(self) -> dict[str, Any]:
         """Return the report as plain data, ready for JSON."""
         return {**asdict(self), "clean": self.clean}

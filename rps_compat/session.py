@@ -67,21 +67,31 @@ class Session:
             )
 
     def generator(self) -> np.random.Generator:
-        """Random stream of the next instance: its own, and the same for the same seed."""
+        """Make the random stream of one more instance: its own, the same for the same seed.
+
+        Without a seed it follows numpy's global generator, so that a script that seeds that is
+        repeatable.
+        """
         stream = self.instances
         self.instances += 1
         if self.seed is None:
-            return np.random.default_rng()
+            return np.random.default_rng(np.random.randint(2**31))  # noqa: NPY002
         return np.random.default_rng([self.seed, stream])
 
-    def arena(self, poses: Array, robot: RobotModel, rng: np.random.Generator) -> Arena:
-        """Arena of one instance with robots at `poses` (3, N)."""
+    def mode(self, published: Literal["exact", "drive"]) -> Literal["exact", "arrive", "drive"]:
+        """How an instance comes to its initial conditions, if the API would do as `published`."""
+        return published if self.initial == "published" else self.initial
+
+    def arena(
+        self, poses: Array, robot: RobotModel, rng: Callable[[], np.random.Generator]
+    ) -> Arena:
+        """Make the arena of one instance with robots at `poses` (3, N)."""
         return Arena(
             poses,
             robot,
             realism=None if self.realism is None else self.realism(),
             recorder=None if self.recorder is None else self.recorder(poses.shape[1]),
-            rng=rng,
+            rng=None if self.realism is None else rng(),
         )
 
     @contextlib.contextmanager

@@ -3,29 +3,12 @@
 from typing import Any, NoReturn
 
 from rps_compat.errors import WrongGenerationError
+from rps_compat.generations import ATTRIBUTES
 
-#: What generation 1 calls it → what generation 2 calls it.
-RENAMED = {
-    "call_at_scripts_end": "debug",
-    "time_step": "TIME_STEP",
-    "robot_diameter": "ROBOT_DIAMETER",
-    "wheel_radius": "WHEEL_RADIUS",
-    "base_length": "BASE_LENGTH",
-    "max_linear_velocity": "MAX_LINEAR_VELOCITY",
-    "max_angular_velocity": "MAX_ANGULAR_VELOCITY",
-    "max_wheel_velocity": "MAX_WHEEL_VELOCITY",
-    "collision_offset": "COLLISION_OFFSET",
-    "collision_diameter": "COLLISION_DIAMETER",
-    "boundaries": "BOUNDARIES",
-    "axes": "_axes_handle",
-    "figure": "_fig",
-    "poses": "_poses",
-    "velocities": "_velocities",
-    "_iterations": "_iteration",
-    "sim_in_real_time": "_sim_in_real_time",
-    "previous_render_time": "_previous_render_time",
-}
-_BACK = {new: old for old, new in RENAMED.items()}
+#: Attributes of an instance: generation 1's name → generation 2's.
+RENAMED = ATTRIBUTES
+
+_RIGHT = {1: {new: old for old, new in ATTRIBUTES.items()}, 2: ATTRIBUTES}
 
 
 def refuse(instance: Any, name: str, generation: int) -> NoReturn:
@@ -39,7 +22,7 @@ def refuse(instance: Any, name: str, generation: int) -> NoReturn:
         `name` belongs to neither.
     """
     kind = type(instance).__name__
-    right = (_BACK if generation == 1 else RENAMED).get(name)
+    right = _RIGHT[generation].get(name)
     if right is None:
         raise AttributeError(f"{kind!r} object has no attribute {name!r}")
     call = "()" if name in ("call_at_scripts_end", "debug") else ""

@@ -70,12 +70,8 @@ class Robotarium(RobotariumABC):
             )
         self._called_step_already = True
         self._checked_poses_already = False
-        arena = self._obey_constants()
-        arena.step()
-        if arena.realism is not None:
-            self._reported[:] = arena.observe()
-        if self._pace is not None:
-            self._pace.after_step(self.time_step)
+        self._obey_constants().step()
+        self._after_step()
 
     def call_at_scripts_end(self) -> None:
         """Print what the testbed would say about this run: duration, violations."""

@@ -4,6 +4,7 @@ import math
 import time
 import weakref
 from abc import ABC, abstractmethod
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from rps_compat import session
 from rps_compat.arena import Arena, Array, RobotModel, require_finite
 from rps_compat.errors import ConstructorError
 from rps_compat.figure import ArenaFigure
-from rps_compat.initial import checked_poses
+from rps_compat.initial import checked_poses, drive_to, first_poses
 from rps_compat.lazy import LazyModule
 from rps_compat.pace import pace_of
 from rps_compat.report import MESSAGES
@@ -91,10 +92,12 @@ class RobotariumABC(ABC):
         self._called_step_already = True
         self._checked_poses_already = False
         self._session = session.current()
-        rng = self._session.generator()
-        poses = self._first_poses(initial_conditions)
-        self.initial_conditions = poses.copy()
+        rng = cache(self._session.generator)  # one stream, drawn from only if it is needed
+        targets = self._targets(initial_conditions)
+        self.initial_conditions = targets.copy()
         self._model_key: tuple[float, ...] = self._constants()
+        mode = self._session.mode(published="exact")
+        poses = first_poses(targets, mode, self._model(), rng)
         self._arena = self._session.arena(poses, self._model(), rng)
         self._reported = self._arena.observe()
         self.previous_render_time = time.time()
@@ -110,6 +113,15 @@ class RobotariumABC(ABC):
         self._pace = pace_of(self._picture, sim_in_real_time, self._session.wait)
         if self._session.created is not None:
             self._session.created(self)
+        if mode == "drive":
+            drive_to(self._arena, targets, rng(), self._after_step)
+
+    def _after_step(self) -> None:
+        arena = self._arena
+        if arena.realism is not None:
+            self._reported[:] = arena.observe()
+        if self._pace is not None:
+            self._pace.after_step(self.time_step)
 
     def _open_figure(self) -> ArenaFigure:
         arena = self._arena
@@ -130,7 +142,7 @@ class RobotariumABC(ABC):
         )
         return picture
 
-    def _first_poses(self, initial_conditions: Array) -> Array:
+    def _targets(self, initial_conditions: Array) -> Array:
         if np.shape(initial_conditions) == (0,):
             poses: Array = misc.generate_initial_conditions(
                 self.number_of_robots, spacing=0.2, width=2.5, height=1.5

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from rps_compat.arena import Array
 from rps_compat.errors import CallOrderError
+from rps_compat.initial import checked_poses, drive_to
 from rps_compat.report import report_on
 from rps_compat.v2.robotarium_abc import ARobotarium
 
@@ -47,6 +48,8 @@ class Robotarium(ARobotarium):
         super().__init__(**kwargs)
         own = (getattr(type(self), name) is getattr(Robotarium, name) for name in _SIMULATIONS)
         self._senses_itself = all(own)
+        if self._mode == "drive":
+            self.initialize(self._targets)
 
     def get_poses(self) -> Array:
         """Copy of the poses (3, N) as tracked: metres, and headings within (−π, π].
@@ -66,7 +69,23 @@ class Robotarium(ARobotarium):
         return np.array(self._arena.observe())
 
     def initialize(self, initial_conditions: Array) -> None:
-        """Bring the robots to `initial_conditions` (3, N)."""
+        """Drive the robots from where they are to `initial_conditions` (3, N).
+
+        The steps count: on the testbed the drive is part of the run.
+
+        Raises
+        ------
+        InitialConditionsError
+            Robots cannot stand there: outside, or too close to each other.
+        UnreachableError
+            They did not arrive; the message says which, and how far they were.
+        """
+        targets = checked_poses(initial_conditions, self.number_of_robots)
+        print(f"Initializing {self.number_of_robots} robots to initial conditions...")
+        self.initializing = True
+        drive_to(self._obey_constants(), targets, self._random(), self._after_step)
+        self.initializing = False
+        print("At initial conditions... Starting Experiment")
 
     def step(self) -> None:
         """Drive all robots for one time step of 33 ms.
@@ -88,6 +107,9 @@ class Robotarium(ARobotarium):
         arena = self._obey_constants()
         self._velocities_old = arena.velocities
         arena.step()
+        self._after_step()
+
+    def _after_step(self) -> None:
         if self._senses_itself:
             self._suite.sense()
         else:

@@ -7,6 +7,7 @@ import weakref
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields
 from difflib import get_close_matches
+from functools import cache
 from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
@@ -16,7 +17,7 @@ from rps_compat import session
 from rps_compat.arena import Arena, Array, RobotModel, require_finite
 from rps_compat.errors import CommandError, ConstructorError
 from rps_compat.figure import ArenaFigure
-from rps_compat.initial import checked_poses
+from rps_compat.initial import checked_poses, first_poses
 from rps_compat.lazy import LazyModule
 from rps_compat.pace import pace_of
 from rps_compat.sensors import ray_ends
@@ -185,10 +186,12 @@ class ARobotarium(ABC):
         self._velocities_old = np.zeros((2, robots))
 
         self._session = session.current()
-        self._rng = self._session.generator()
+        self._random = cache(self._session.generator)  # one stream, drawn from only if needed
         self._model_key: tuple[Any, ...] = self._constants()
-        target = self._target(options.initial_conditions)
-        self._arena = self._session.arena(target, self._model(), self._rng)
+        self._targets = self._target(options.initial_conditions)
+        self._mode = self._session.mode("exact" if options.skip_initialization else "drive")
+        poses = first_poses(self._targets, self._mode, self._model(), self._random)
+        self._arena = self._session.arena(poses, self._model(), self._random)
         self._suite = SensorSuite(self)
         self._initial_encoders = np.zeros((2, robots))
         self._picture: ArenaFigure | None = None

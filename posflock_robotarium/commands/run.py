@@ -1,0 +1,140 @@
+"""``posflock run`` and ``posflock lint``: any Robotarium script, as it is."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def run(
+    context: typer.Context,
+    script: Annotated[Path, typer.Argument(help="The script; what follows it is its own.")],
+    api: Annotated[
+        int, typer.Option(min=0, max=2, help="Generation 1 or 2; 0 finds it in the source.")
+    ] = 0,
+    headless: Annotated[
+        bool | None,
+        typer.Option(
+            "--headless/--window", help="No window, no waiting. Default without a display."
+        ),
+    ] = None,
+    initial: Annotated[
+        str,
+        typer.Option(
+            help="How robots come to their initial conditions: published, exact, arrive (within "
+            "the testbed's 5 cm and 0.2 rad) or drive."
+        ),
+    ] = "published",
+    seed: Annotated[
+        int | None, typer.Option(help="Seed of Python's and numpy's global generators.")
+    ] = None,
+    timeout: Annotated[
+        float | None, typer.Option(help="Stop the script after so many seconds.")
+    ] = None,
+    answer: Annotated[
+        list[str] | None, typer.Option("--input", help="An answer to input(); repeatable.")
+    ] = None,
+    snapshot: Annotated[str, typer.Option(help="Save the figure at these seconds: 0,10,end")] = "",
+    video: Annotated[
+        Path | None, typer.Option(help="Film the run, in the output folder: run.mp4 or .gif")
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("-o", "--out", help="Folder for log, report, pictures. Default runs/SCRIPT."),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
+) -> None:
+    """Run a Robotarium script of either generation, unmodified, and keep its pose log.
+
+    The exit code is the script's own: 0 when it finished, 1 after an exception, 124 after the
+    timeout, 130 after Ctrl-C.
+
+    [bold]Examples[/bold]
+
+        posflock run formation.py
+
+        posflock run --seed 1 --timeout 60 --snapshot 0,end -o results formation.py --robots 7
+    """
+    import contextlib
+    import json
+    import sys
+
+    from posflock_robotarium.errors import ParameterError
+    from posflock_robotarium.recording import open_pose_log
+    from rps_compat.errors import RobotariumError
+    from rps_compat.runner import RunSettings, run_script, snapshot_times, summary
+
+    try:
+        settings = RunSettings(
+            api=None if api == 0 else (1 if api == 1 else 2),
+            headless=headless,
+            initial=initial,  # type: ignore[arg-type]  # checked by the session
+            seed=seed,
+            timeout=timeout,
+            answers=answer or (),
+            out=out or Path("runs") / script.stem,
+            snapshots=snapshot_times(snapshot),
+            video=video,
+            recorder=open_pose_log,
+        )
+        # With --json the report alone is on stdout, for programs; the script talks on stderr.
+        with contextlib.redirect_stdout(sys.stderr) if as_json else contextlib.nullcontext():
+            result = run_script(script, context.args, settings)
+    except RobotariumError as error:
+        raise ParameterError(str(error)) from error
+    typer.echo(json.dumps(result.as_dict(), indent=1) if as_json else summary(result))
+    raise typer.Exit(result.exit_code)
+
+
+def lint(
+    script: Annotated[Path, typer.Argument(help="A script of generation 1 or 2.")],
+    to: Annotated[
+        int, typer.Option(min=0, max=2, help="2 rewrites the script for generation 2.")
+    ] = 0,
+    out: Annotated[
+        Optional[Path],
+        typer.Option("-o", "--out", help="File for the rewritten script. Default: the terminal."),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the findings as JSON.")] = False,
+) -> None:
+    """List what has to change before the testbed of today runs a script; change it with --to 2.
+
+    Names of generation 1, defaults that changed, and what numpy 2.2 and Python 3.10 do not have.
+    The exit code is 0 when nothing was found, 1 when something is to be changed.
+
+    [bold]Examples[/bold]
+
+        posflock lint old_script.py
+
+        posflock lint old_script.py --to 2 -o new_script.py
+    """
+    import json
+    from dataclasses import asdict
+
+    from posflock_robotarium.errors import OutputError, ParameterError
+    from rps_compat.errors import RobotariumError
+    from rps_compat.lint import lint_script, rewritten
+
+    if to == 1:
+        raise ParameterError("--to 1: scripts are rewritten for generation 2 only")
+    try:
+        source, findings = lint_script(script)
+    except RobotariumError as error:
+        raise ParameterError(str(error)) from error
+    if as_json:
+        typer.echo(json.dumps([asdict(finding) for finding in findings], indent=1))
+    else:
+        for finding in findings:
+            left = "" if finding.edits or finding.kind == "default" or not to else "  [by hand]"
+            typer.echo(f"{script}:{finding.line}: {finding.message}{left}", err=bool(to))
+    if to:
+        new = rewritten(source, findings)
+        if out is None:
+            typer.echo(new.decode(), nl=False)
+        else:
+            try:
+                out.parent.mkdir(parents=True, exist_ok=True)
+                out.write_bytes(new)
+            except OSError as error:
+                raise OutputError(f"cannot write {out}: {error.strerror or error}") from error
+    raise typer.Exit(1 if findings else 0)

@@ -1,0 +1,85 @@
+"""``python -m rps_compat run SCRIPT`` and ``python -m rps_compat path --api 2``."""
+
+import argparse
+import contextlib
+import json
+import sys
+from collections.abc import Sequence
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import get_args
+
+from rps_compat.errors import RobotariumError
+from rps_compat.install import import_path
+from rps_compat.runner import OpenRecorder, RunSettings, run_script, snapshot_times, summary
+from rps_compat.session import Initial
+
+#: Packages offer recorders under this group; the first is used.
+RECORDERS = "rps_compat.recorders"
+
+
+def offered_recorder() -> OpenRecorder | None:
+    """Find the recorder that an installed package offers for `RECORDERS`; None if there is none."""
+    for entry in entry_points(group=RECORDERS):
+        recorder: OpenRecorder = entry.load()
+        return recorder
+    return None
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the parser of the command line."""
+    top = argparse.ArgumentParser(prog="python -m rps_compat", description=__doc__)
+    commands = top.add_subparsers(dest="command", required=True)
+    run = commands.add_parser("run", help="run a Robotarium script as it is")
+    run.add_argument("--api", type=int, choices=(1, 2), help="found from the script by default")
+    run.add_argument(
+        "--headless",
+        action=argparse.BooleanOptionalAction,
+        help="no window and no waiting; the default where there is no display",
+    )
+    run.add_argument("--initial", choices=get_args(Initial), default="published")
+    run.add_argument("--seed", type=int, help="of Python's and numpy's global generators")
+    run.add_argument("--timeout", type=float, help="seconds of real time")
+    run.add_argument("--input", action="append", default=[], help="an answer to input()")
+    run.add_argument("--snapshot", default="", help="times in seconds: 0,10,end")
+    run.add_argument("--video", type=Path, help="file to film to: .mp4 or .gif")
+    run.add_argument("-o", "--out", type=Path, help="folder for log and report")
+    run.add_argument("--json", action="store_true", help="print the report as JSON")
+    run.add_argument("script", type=Path)
+    run.add_argument("arguments", nargs=argparse.REMAINDER, help="the script's own arguments")
+    path = commands.add_parser("path", help="print what to put on PYTHONPATH")
+    path.add_argument("--api", type=int, choices=(1, 2), default=2)
+    return top
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run the command line `words`; return the exit code."""
+    asked = parser().parse_args(words)
+    if asked.command == "path":
+        print(import_path(asked.api))
+        return 0
+    settings = RunSettings(
+        api=asked.api,
+        headless=asked.headless,
+        initial=asked.initial,
+        seed=asked.seed,
+        timeout=asked.timeout,
+        answers=asked.input,
+        out=asked.out or Path("runs") / asked.script.stem,
+        snapshots=snapshot_times(asked.snapshot),
+        video=asked.video,
+        recorder=offered_recorder(),
+    )
+    # With --json the report alone is on stdout, for programs; the script talks on stderr.
+    with contextlib.redirect_stdout(sys.stderr) if asked.json else contextlib.nullcontext():
+        result = run_script(asked.script, asked.arguments, settings)
+    print(json.dumps(result.as_dict(), indent=1) if asked.json else summary(result))
+    return result.exit_code
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except RobotariumError as error:
+        print(f"rps_compat: {error}", file=sys.stderr)
+        sys.exit(2)

@@ -1,0 +1,103 @@
+"""Pictures of a run while it runs: snapshots at given times, and a video."""
+
+import math
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+from rps_compat.errors import RobotariumError
+
+#: Frames per second of the run, and of the film: it plays in real time.
+FRAMES = {".mp4": 20, ".gif": 10}
+
+
+class FilmError(RobotariumError):
+    """A video cannot be made: unknown ending, or no encoder."""
+
+
+class Film:
+    """Takes pictures of one instance at times of the run.
+
+    Parameters
+    ----------
+    snapshots
+        Times in seconds, infinity for the end of the run.
+    folder
+        Where ``snapshot-TIME.png`` go.
+    video
+        File to film to, ending in .mp4 or .gif; None films nothing.
+
+    Attributes
+    ----------
+    files : list of Path
+        Pictures taken so far, and the video.
+    """
+
+    def __init__(self, snapshots: Sequence[float], folder: Path, video: Path | None) -> None:
+        self.files: list[Path] = []
+        self._due = sorted(snapshots)
+        self._folder = folder
+        self._writer: Any = None
+        self._frame = math.inf
+        self._stack = ExitStack()
+        if video is not None:
+            self._writer, self._per_second = _writer(video), FRAMES[video.suffix.lower()]
+            self._video, self._frame = video, 0.0
+
+    @property
+    def idle(self) -> bool:
+        """Whether nothing is left to be taken."""
+        return not self._due and self._writer is None
+
+    def at(self, time: float, instance: Any) -> None:
+        """Take what is due at `time` (s) of the run of `instance`."""
+        while self._due and self._due[0] <= time + 1e-9:
+            self._snapshot(instance, self._due.pop(0))
+        if time + 1e-9 >= self._frame:
+            if self._frame == 0.0:
+                self._stack.enter_context(
+                    self._writer.saving(figure_of(instance), str(self._video), dpi=100)
+                )
+                self.files.append(self._video)
+            self._writer.grab_frame()
+            self._frame += 1 / self._per_second
+
+    def end(self, instance: Any | None) -> None:
+        """Take the snapshot of the end, if asked for, and finish the video."""
+        if instance is not None and math.inf in self._due:
+            self._snapshot(instance, math.inf)
+        self._due = []
+        self._stack.close()
+        self._writer, self._frame = None, math.inf
+
+    def _snapshot(self, instance: Any, time: float) -> None:
+        name = "end" if math.isinf(time) else f"{time:g}s"
+        path = self._folder / f"snapshot-{name}.png"
+        figure_of(instance).savefig(path)
+        self.files.append(path)
+
+
+def figure_of(instance: Any) -> Any:
+    """Figure of an instance of either generation, made now if it had none."""
+    return instance._fig if hasattr(type(instance), "TIME_STEP") else instance.figure
+
+
+def _writer(video: Path) -> Any:
+    from matplotlib import animation, rcParams
+
+    suffix = video.suffix.lower()
+    if suffix not in FRAMES:
+        raise FilmError(f"{video}: expected a name that ends in .mp4 or .gif")
+    if suffix == ".gif":
+        return animation.PillowWriter(fps=FRAMES[suffix])
+    if not animation.FFMpegWriter.isAvailable():
+        try:
+            import imageio_ffmpeg
+        except ImportError:
+            raise FilmError(
+                f"{video}: no ffmpeg was found; install it, or pip install "
+                "'posflock-robotarium[video]', or ask for a .gif"
+            ) from None
+        rcParams["animation.ffmpeg_path"] = imageio_ffmpeg.get_ffmpeg_exe()
+    return animation.FFMpegWriter(fps=FRAMES[suffix], bitrate=1800)

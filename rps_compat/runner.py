@@ -1,0 +1,450 @@
+"""Run any Robotarium script as it is: no changed byte, no display, nothing lost.
+
+The script runs as ``__main__``, from its own folder and with its own arguments, in this process.
+Around it stand the :class:`RunSettings`: which generation ``import rps`` means, seeds,
+imperfections, what is recorded and filmed. Headless, a simulated clock and a backend that draws on
+demand let the script run as fast as it computes. However it ends, by itself, by an exception, by
+Ctrl-C or by the time limit, the log is closed and a report written.
+"""
+
+import builtins
+import contextlib
+import json
+import math
+import os
+import random
+import runpy
+import signal
+import sys
+import threading
+import traceback
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import FrameType
+from typing import Any, Literal, Protocol
+
+import numpy as np
+
+from rps_compat.arena import Arena, Array, Realism
+from rps_compat.clock import SimulatedClock
+from rps_compat.errors import RobotariumError
+from rps_compat.film import Film
+from rps_compat.generations import evidence_in
+from rps_compat.install import Api, install, installed, uninstall
+from rps_compat.report import RunReport, report_on
+from rps_compat.session import Initial, Session
+
+Ended = Literal["finished", "failed", "interrupted", "timeout"]
+#: Exit codes of a run that the script does not end itself, as shells have them.
+EXIT_CODES: dict[Ended, int] = {"finished": 0, "failed": 1, "interrupted": 130, "timeout": 124}
+
+
+class ScriptError(RobotariumError, OSError):
+    """The script cannot be run at all: not found, not Python, a folder that cannot be written."""
+
+
+class OutOfTime(BaseException):
+    """The time limit of a run is over; not an Exception, so that scripts do not swallow it."""
+
+
+class RunRecorder(Protocol):
+    """A recorder that is told how the run ended; the pose log is one."""
+
+    def append(self, time: float, poses: Array, commands: Array, /) -> None:
+        """Take note of one step."""
+
+    def close(self, how: str, reason: str, /) -> None:
+        """Take note of the end."""
+
+
+#: Makes the recorder of one instance: where (without ending), for how many robots, and what is
+#: known about the run.
+OpenRecorder = Callable[[Path, int, dict[str, Any]], RunRecorder]
+
+
+@dataclass(frozen=True)
+class RunSettings:
+    """Everything about a run that is not in the script.
+
+    Attributes
+    ----------
+    api
+        Generation of the API; None finds it from the script's source.
+    headless
+        No window, no waiting; None: headless where there is no display.
+    initial
+        How robots come to their initial conditions; see `rps_compat.session.Session`.
+    seed
+        Seeds Python's and numpy's global generators, and the imperfections.
+    realism
+        Makes the imperfections of one instance; None is the ideal arena.
+    timeout
+        Seconds of real time after which the script is stopped; None lets it run.
+    answers
+        What ``input()`` answers headless, in order; after them an empty line.
+    out
+        Folder for everything that the run leaves; made if need be. None leaves nothing.
+    snapshots
+        Times of the run in seconds at which the figure is saved; infinity is its end.
+    video
+        File to film to, .mp4 or .gif; a relative name lies in `out`.
+    recorder
+        Opens the log of one instance; None writes no log.
+    """
+
+    api: Api | None = None
+    headless: bool | None = None
+    initial: Initial = "published"
+    seed: int | None = None
+    realism: Callable[[], Realism] | None = None
+    timeout: float | None = None
+    answers: Sequence[str] = ()
+    out: Path | None = None
+    snapshots: Sequence[float] = ()
+    video: Path | None = None
+    recorder: OpenRecorder | None = None
+
+
+@dataclass(frozen=True)
+class RunResult:
+    """How a run went.
+
+    Attributes
+    ----------
+    script
+        The script that ran.
+    api
+        The generation that it ran on.
+    ended
+        "finished", "failed" (an exception), "interrupted" (Ctrl-C) or "timeout".
+    reason
+        In words, for everything but "finished".
+    exit_code
+        For the shell: the script's own, or one of `EXIT_CODES`.
+    reports
+        One for each Robotarium instance, in the order of their making.
+    files
+        What the run left in its folder.
+    """
+
+    script: Path
+    api: Api
+    ended: Ended
+    reason: str
+    exit_code: int
+    reports: tuple[RunReport, ...]
+    files: tuple[Path, ...]
+
+    @property
+    def clean(self) -> bool:
+        """Whether the run finished and nothing would have stopped it on the testbed."""
+        return self.exit_code == 0 and all(report.clean for report in self.reports)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the result as plain data, ready for JSON."""
+        return {
+            "script": str(self.script),
+            "api": self.api,
+            "ended": self.ended,
+            "reason": self.reason,
+            "exit_code": self.exit_code,
+            "clean": self.clean,
+            "reports": [report.as_dict() for report in self.reports],
+            "files": [str(path) for path in self.files],
+        }
+
+
+def has_display() -> bool:
+    """Whether a window could be opened here."""
+    if sys.platform in ("win32", "darwin"):
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def run_script(
+    script: Path, arguments: Sequence[str] = (), settings: RunSettings | None = None
+) -> RunResult:
+    """Run `script` with `arguments` and report how it went.
+
+    An exception of the script does not pass: its traceback is printed to stderr, without our own
+    frames, and the result says "failed".
+
+    Raises
+    ------
+    ScriptError
+        The script is not there, is not Python, or the output folder cannot be written.
+    """
+    settings = settings or RunSettings()
+    script = Path(script).resolve()
+    try:
+        api = settings.api or evidence_in(script).generation
+    except OSError as error:
+        raise ScriptError(f"{script}: {error.strerror or error}") from error
+    except (SyntaxError, ValueError) as error:
+        raise ScriptError(f"{script} is not a Python script: {error}") from error
+    return _Run(script, list(arguments), api, settings).result()
+
+
+class _Watch:
+    """Recorder of one instance: passes each step on to log, film and clock."""
+
+    def __init__(self, run: "_Run", log: RunRecorder | None) -> None:
+        self._run, self.log, self._before = run, log, 0.0
+        self.instance: Any = None
+
+    def append(self, time: float, poses: Array, commands: Array) -> None:
+        self._run.clock.advance(time - self._before)
+        self._before = time
+        if self.log is not None:
+            self.log.append(time, poses, commands)
+        film = self._run.film
+        if not film.idle and self._run.watches[0] is self:
+            film.at(time, self.instance)
+
+
+@dataclass
+class _Run:
+    script: Path
+    arguments: list[str]
+    api: Api
+    settings: RunSettings
+    clock: SimulatedClock = field(default_factory=SimulatedClock)
+    watches: list[_Watch] = field(default_factory=list)
+    logs: list[Path] = field(default_factory=list)
+
+    def result(self) -> RunResult:
+        settings = self.settings
+        self.headless = not has_display() if settings.headless is None else settings.headless
+        self.out = None if settings.out is None else settings.out.resolve()
+        try:
+            if self.out is not None:
+                self.out.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise ScriptError(f"cannot write to {self.out}: {error.strerror or error}") from error
+        folder = self.out or Path.cwd()
+        video = folder / settings.video if settings.video else None
+        self.film = Film(settings.snapshots, folder, video)
+        session = Session(
+            initial=settings.initial,
+            seed=settings.seed,
+            realism=settings.realism,
+            recorder=self._watch,
+            created=self._created,
+            wait=False if self.headless else None,
+        )
+        with contextlib.ExitStack() as around:
+            around.enter_context(self._process_state())
+            around.enter_context(session.active())
+            if self.headless:
+                around.enter_context(self.clock.in_force())
+                around.enter_context(_headless_matplotlib())
+                around.enter_context(_answering(settings.answers))
+            ended, reason, exit_code = self._execute()
+            self.film.end(self.watches[0].instance if self.watches else None)
+        return self._finish(ended, reason, exit_code)
+
+    def _watch(self, robots: int) -> _Watch:
+        log = None
+        if self.settings.recorder is not None and self.out is not None:
+            number = len(self.watches) + 1
+            path = self.out / ("poses" if number == 1 else f"poses-{number}")
+            about = {"script": self.script.name, "api": self.api, "seed": self.settings.seed}
+            log = self.settings.recorder(path, robots, about)
+            self.logs.append(path)
+        watch = _Watch(self, log)
+        self.watches.append(watch)
+        return watch
+
+    def _created(self, instance: Any) -> None:
+        watch = instance._arena.recorder
+        if isinstance(watch, _Watch):
+            watch.instance = instance
+
+    @contextlib.contextmanager
+    def _process_state(self) -> Iterator[None]:
+        """Be where the script expects to be, and leave the process as it was."""
+        folder, argv, path = Path.cwd(), sys.argv, list(sys.path)
+        bytecode, api, modules = sys.dont_write_bytecode, installed(), set(sys.modules)
+        randomness = random.getstate(), np.random.get_state()  # noqa: NPY002
+        os.chdir(self.script.parent)
+        sys.argv = [str(self.script), *self.arguments]
+        sys.path.insert(0, str(self.script.parent))
+        sys.dont_write_bytecode = True  # the script's folder is not ours to write to
+        install(self.api)
+        if self.settings.seed is not None:
+            random.seed(self.settings.seed)
+            np.random.seed(self.settings.seed % 2**32)  # noqa: NPY002 - what scripts draw from
+        try:
+            yield
+        finally:
+            os.chdir(folder)
+            sys.argv, sys.path[:], sys.dont_write_bytecode = argv, path, bytecode
+            random.setstate(randomness[0])
+            np.random.set_state(randomness[1])  # noqa: NPY002
+            uninstall() if api is None else install(api)
+            _forget_modules_of(self.script.parent, modules)
+
+    def _execute(self) -> tuple[Ended, str, int]:
+        try:
+            with _time_limit(self.settings.timeout):
+                runpy.run_path(str(self.script), run_name="__main__")
+        except SystemExit as left:
+            return _exit_of(left)
+        except OutOfTime:
+            limit = self.settings.timeout
+            reason = f"stopped by the time limit of {limit:g} s"
+            return "timeout", reason, EXIT_CODES["timeout"]
+        except KeyboardInterrupt:
+            return "interrupted", "KeyboardInterrupt", EXIT_CODES["interrupted"]
+        except BaseException as error:
+            _print_traceback(error, self.script)
+            return "failed", f"{type(error).__name__}: {error}", EXIT_CODES["failed"]
+        return "finished", "", 0
+
+    def _finish(self, ended: Ended, reason: str, exit_code: int) -> RunResult:
+        arenas: list[Arena] = [w.instance._arena for w in self.watches if w.instance is not None]
+        reports = tuple(report_on(arena) for arena in arenas)
+        files = list(self.film.files)
+        for watch, path in zip(
+            (w for w in self.watches if w.log is not None), self.logs, strict=True
+        ):
+            assert watch.log is not None
+            watch.log.close("interrupted" if ended == "timeout" else ended, reason)
+            files += sorted(path.parent.glob(f"{path.name}.*"))
+        if self.out is not None:
+            text = self.out / "report.txt"
+            text.write_text("\n".join(report.text(self.api) for report in reports), "utf-8")
+            data = self.out / "report.json"
+            files += [text, data]
+            result = RunResult(
+                self.script, self.api, ended, reason, exit_code, reports, tuple(files)
+            )
+            data.write_text(json.dumps(result.as_dict(), indent=1) + "\n", "utf-8")
+            return result
+        return RunResult(self.script, self.api, ended, reason, exit_code, reports, tuple(files))
+
+
+def _exit_of(left: SystemExit) -> tuple[Ended, str, int]:
+    if left.code is None or left.code == 0:
+        return "finished", "", 0
+    if isinstance(left.code, int):
+        return "failed", f"the script left with exit code {left.code}", left.code
+    print(left.code, file=sys.stderr)
+    return "failed", str(left.code), 1
+
+
+def _print_traceback(error: BaseException, script: Path) -> None:
+    frames = error.__traceback__
+    while frames is not None and frames.tb_frame.f_code.co_filename != str(script):
+        frames = frames.tb_next
+    traceback.print_exception(type(error), error, frames or error.__traceback__)
+
+
+def _forget_modules_of(folder: Path, known: set[str]) -> None:
+    """Drop modules that the script imported from its own `folder`: the next script has its own."""
+    for name in set(sys.modules) - known:
+        source = getattr(sys.modules[name], "__file__", None)
+        if source and Path(source).parent == folder:
+            del sys.modules[name]
+
+
+@contextlib.contextmanager
+def _headless_matplotlib() -> Iterator[None]:
+    """Draw on demand, whatever window system the script asks matplotlib for."""
+    import matplotlib as mpl
+    from matplotlib import pyplot as plt
+
+    figures, backend, use, switch = (
+        plt.get_fignums(),
+        mpl.get_backend(),
+        mpl.use,
+        plt.switch_backend,
+    )
+    switch("module://rps_compat.headless_backend")
+    mpl.use = plt.switch_backend = lambda *args, **kwargs: None  # type: ignore[assignment]
+    try:
+        yield
+    finally:
+        for number in set(plt.get_fignums()) - set(figures):
+            plt.close(number)
+        mpl.use, plt.switch_backend = use, switch
+        switch(backend)
+
+
+@contextlib.contextmanager
+def _answering(answers: Sequence[str]) -> Iterator[None]:
+    """Answer ``input()`` from `answers`, then with empty lines; show what was asked."""
+    left, asked = iter(answers), builtins.input
+
+    def answer(prompt: object = "", /) -> str:
+        reply = next(left, "")
+        print(f"{prompt}{reply}")
+        return reply
+
+    builtins.input = answer
+    try:
+        yield
+    finally:
+        builtins.input = asked
+
+
+@contextlib.contextmanager
+def _time_limit(seconds: float | None) -> Iterator[None]:
+    """Raise OutOfTime in the script after `seconds` of real time."""
+    if seconds is None or not math.isfinite(seconds):
+        yield
+        return
+    if threading.current_thread() is not threading.main_thread() or not hasattr(
+        signal, "setitimer"
+    ):
+        raise ScriptError("a time limit needs the main thread of a POSIX system")
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        raise OutOfTime
+
+    before = signal.signal(signal.SIGALRM, stop)
+    # Repeated, because a bare `except:` in the script may swallow the first.
+    signal.setitimer(signal.ITIMER_REAL, seconds, 0.25)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def summary(result: RunResult) -> str:
+    """Tell in a few lines how a run went and what it left: for a terminal."""
+    lines = [f"{result.script.name}: generation {result.api}, {result.ended}"]
+    if result.reason:
+        lines[0] += f" ({result.reason})"
+    if not result.reports:
+        lines.append("no Robotarium was made")
+    for number, report in enumerate(result.reports, start=1):
+        which = f"Robotarium {number}: " if len(result.reports) > 1 else ""
+        lines.append(
+            f"{which}{report.number_of_robots} robots, {report.steps} steps, "
+            f"{report.duration:.1f} s on the testbed, {report.verdict}"
+        )
+        lines += [f"  {fault}" for fault in report.faults[:5] if fault.kind != "actuator"]
+    if result.files:
+        folders = sorted({str(path.parent) for path in result.files})
+        names = ", ".join(path.name for path in result.files)
+        lines.append(f"in {', '.join(folders)}: {names}")
+    return "\n".join(lines)
+
+
+def snapshot_times(text: str) -> tuple[float, ...]:
+    """Read the times of ``--snapshot``: seconds with commas between, ``end`` for the end.
+
+    Raises
+    ------
+    ScriptError
+        Something else is written there.
+    """
+    try:
+        return tuple(
+            math.inf if word.strip() == "end" else float(word) for word in text.split(",") if word
+        )
+    except ValueError:
+        raise ScriptError(f"--snapshot {text}: expected seconds, e.g. 0,10,end") from None
