@@ -22,12 +22,17 @@ class ShapeError(RobotariumError, AssertionError, IndexError, ValueError):
     """An array has the wrong number of rows, columns or dimensions."""
 
 
-class NumberError(RobotariumError, AssertionError, TypeError):
+class NumberError(RobotariumError, AssertionError, TypeError, ValueError):
     """A gain, limit, distance or count is not a number, or outside its range."""
 
 
 def number(
-    name: str, value: Any, *, above: float | None = None, least: float | None = None
+    name: str,
+    value: Any,
+    *,
+    above: float | None = None,
+    least: float | None = None,
+    most: float | None = None,
 ) -> None:
     """Refuse `value` unless it is a Python number in range.
 
@@ -37,19 +42,25 @@ def number(
     Raises
     ------
     NumberError
-        Not such a number, not > `above`, or not >= `least`; NaN is in no range.
+        Not such a number, not > `above`, not >= `least`, or not <= `most`; NaN is in no range.
     """
     expected = "a number"
     if above is not None:
         expected += f" > {above:g}"
     if least is not None:
         expected += f" >= {least:g}"
+    if most is not None:
+        expected += f", <= {most:g}"
     if not isinstance(value, (int, float)):
         raise NumberError(
             f"{name} is {value!r} ({type(value).__name__}), expected {expected}"
             + ("; convert it with float(...)" if isinstance(value, np.generic) else "")
         )
-    if (above is not None and not value > above) or (least is not None and not value >= least):
+    if (
+        (above is not None and not value > above)
+        or (least is not None and not value >= least)
+        or (most is not None and not value <= most)
+    ):
         raise NumberError(f"{name} is {value!r}, expected {expected}")
 
 

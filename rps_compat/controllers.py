@@ -48,7 +48,7 @@ def command_to_position(
 
 
 def way_to_pose(goals: Array, states: Array) -> tuple[Array, Array, Array]:
-    """The way to poses `goals` (3, N) in polar coordinates: e, α and φ, each (N,).
+    """Measure the way to poses `goals` (3, N) in polar coordinates: e, α and φ, each (N,).
 
     The distance, the angle from the heading to the goal, and the goal's bearing in its own frame.
     A robot that stands on its goal has φ = 0.

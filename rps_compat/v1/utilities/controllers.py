@@ -30,6 +30,10 @@ __all__ = [
 ]
 
 
+#: The default of ``approach_state``: all robots may approach.
+EVERYBODY = np.empty([0, 0])
+
+
 class HysteresisError(RobotariumError, TypeError, ValueError):
     """``position_epsilon`` leaves a robot that neither approaches nor has arrived."""
 
@@ -186,7 +190,7 @@ def create_hybrid_unicycle_pose_controller(
     drive = create_si_to_uni_dynamics(linear_velocity_gain, angular_velocity_limit)
 
     def pose_uni_hybrid_controller(
-        states: Array, poses: Array, approach_state: Array = np.empty([0, 0])
+        states: Array, poses: Array, approach_state: Array = EVERYBODY
     ) -> Array:
         matrix("states", states, 3, more_rows=True)
         robots = states.shape[1]
@@ -227,4 +231,5 @@ def _flags(approach_state: Array, robots: int) -> Flags:
         )
     if robots == 0 or approach_state.shape[1] != robots:
         return np.ones(robots, dtype=bool)
-    return approach_state[0].astype(bool)
+    flags: Flags = approach_state[0].astype(bool)
+    return flags

@@ -119,27 +119,27 @@ def at_position(states: Array, points: Array, position_error: float = 0.02) -> t
     return np.nonzero(controllers.distances(states, points) <= position_error)
 
 
+#: The published axes overhang the figure by 3 % on each side, and show 10 cm around the arena.
+AXES_SPAN = 1.06
+AXES_START = -0.03
+MARGIN = 0.1
+
+
 def determine_marker_size(robotarium_instance: Any, marker_size_meters: float) -> float:
     """Size `s` for ``scatter`` (points²) of a marker of `marker_size_meters` (m) in the figure."""
     if not robotarium_instance.show_figure:
-        return float(np.float64(NO_FIGURE_WIDTH * marker_size_meters) ** 2)
+        return float((NO_FIGURE_WIDTH * marker_size_meters) ** 2)
     width, _ = _figure_pixels(robotarium_instance)
     edge = robotarium_instance.boundaries[2]
-    return np.float64(_pixels_to_edge(width, edge) * marker_size_meters / edge) ** 2
+    return float((_pixels_to_edge(width, edge) * marker_size_meters / edge) ** 2)
 
 
 def determine_font_size(robotarium_instance: Any, font_height_meters: float) -> float:
     """Font size (points) of letters of `font_height_meters` (m) in the figure."""
     if not robotarium_instance.show_figure:
-        return np.float64(NO_FIGURE_HEIGHT * font_height_meters)
+        return float(NO_FIGURE_HEIGHT * font_height_meters)
     _, height = _figure_pixels(robotarium_instance)
-    return np.float64(AXES_SPAN * height * font_height_meters / robotarium_instance.boundaries[2])
-
-
-#: The published axes overhang the figure by 3 % on each side, and show 10 cm around the arena.
-AXES_SPAN = 1.06
-AXES_START = -0.03
-MARGIN = 0.1
+    return float(AXES_SPAN * height * font_height_meters / robotarium_instance.boundaries[2])
 
 
 def _figure_pixels(robotarium_instance: Any) -> tuple[float, float]:

@@ -112,7 +112,7 @@ def generate_initial_poses(
 def create_at_pose(
     position_error: float = 0.05, rotation_error: float = 0.2
 ) -> Callable[[Array, Array], tuple[bool, Flags]]:
-    """Create ``check_at_pose(states, poses)``: have all arrived, and who has?
+    """Create ``check_at_pose(states, poses)``: whether all have arrived, and who has.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ def create_at_pose(
 def create_at_position(
     position_error: float = 0.05,
 ) -> Callable[[Array, Array], tuple[bool, Flags]]:
-    """Create ``check_at_position(states, positions)``: have all arrived, and who has?
+    """Create ``check_at_position(states, positions)``: whether all have arrived, and who has.
 
     Parameters
     ----------
