@@ -23,7 +23,7 @@ from barrier_certificates.obstacles import Disc, ObstacleRows
 from barrier_certificates.pairs import PairRows
 from barrier_certificates.projection import ProjectionInfo, Projector
 from barrier_certificates.rowbook import RowBook
-from barrier_certificates.rows import Family, Scene
+from barrier_certificates.rows import Family, Rows, Scene
 from barrier_certificates.walls import WallRows, rectangle
 from rps_compat import kinematics
 from rps_compat.errors import RobotariumError
@@ -228,6 +228,38 @@ class UnicycleCertificate:
         if self._turn_rate_limit is not None:
             answer[1] = kinematics.limited(answer[1], self._turn_rate_limit)
         return answer, info
+
+
+def nearest(velocities: Array, coefficients: Array, bounds: Array) -> tuple[Array, str]:
+    """Velocities (2, N) nearest to `velocities` with `coefficients` · v <= `bounds`, and how.
+
+    Parameters
+    ----------
+    coefficients : array
+        (m, 2 N), the unknowns ordered robot by robot: x₁, y₁, x₂, …
+    bounds : array
+        (m,)
+
+    Returns
+    -------
+    velocities : array
+        Zeros if nothing satisfies all rows.
+    status : str
+        As in :class:`barrier_certificates.projection.ProjectionInfo`.
+    """
+    unknowns = velocities.size
+    lengths = np.linalg.norm(coefficients, axis=1)
+    lengths[lengths == 0] = 1.0
+    rows = Rows(
+        np.tile(np.arange(unknowns)[:, np.newaxis], len(bounds)),
+        (coefficients / lengths[:, np.newaxis]).T,
+        bounds / lengths,
+        unknowns,
+        np.full(len(bounds), np.inf),
+        "row {}".format,
+    )
+    answer, info = Projector(on_infeasible="stop").project(velocities, rows)
+    return answer, info.status
 
 
 def require_finite(name: str, values: Array) -> None:

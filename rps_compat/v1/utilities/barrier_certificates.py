@@ -11,14 +11,13 @@ from typing import Any, Protocol
 
 import numpy as np
 from numpy import dot
-from scipy.special import comb
 
 from barrier_certificates.disturbance import WheelDisturbance
 from rps_compat import certificates, deviations, kinematics
 from rps_compat.arguments import NumberError, number, scalar
 from rps_compat.arguments import matrix as require_matrix
 from rps_compat.certificates import PointCertificate, UnicycleCertificate
-from rps_compat.cvxopt_names import matrix, qp, sparse
+from rps_compat.deferred import comb, matrix, qp, sparse
 from rps_compat.kinematics import HALF_TURN, Array
 from rps_compat.placement import CrowdedError
 from rps_compat.v1.utilities.transformations import (

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from rps_compat.cvxopt_names import matrix, solvers
-from rps_compat.cvxopt_names import quadprog as solver2
+from rps_compat.deferred import matrix, solvers
+from rps_compat.deferred import quadprog as solver2
 from rps_compat.kinematics import Array
 from rps_compat.v1.utilities.barrier_certificates import robust_wheels
 

@@ -6,7 +6,7 @@ The mathematics is in :mod:`rps_compat.placement` and :mod:`rps_compat.controlle
 import random
 from collections.abc import Callable
 from datetime import datetime
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +16,7 @@ from rps_compat.arguments import NumberError, count, matrix
 from rps_compat.controllers import Flags
 from rps_compat.errors import RobotariumError
 from rps_compat.kinematics import HALF_TURN, Array
-
-if TYPE_CHECKING:
-    from rps_compat.v2.robotarium_abc import ARobotarium
+from rps_compat.v2.robotarium_abc import ARobotarium
 
 __all__ = [
     "ARobotarium",
@@ -161,7 +159,7 @@ def create_at_position(
     return check_at_position
 
 
-def determine_font_size(robotarium_instance: "ARobotarium", font_height_meters: float) -> float:
+def determine_font_size(robotarium_instance: ARobotarium, font_height_meters: float) -> float:
     """Font size (points) of letters of `font_height_meters` (m) in the figure.
 
     Raises

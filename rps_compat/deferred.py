@@ -1,8 +1,8 @@
-"""Names of CVXOPT that the published modules re-export, without CVXOPT.
+"""Names that the published modules re-export, imported when a script uses them.
 
 Scripts that star-import a certificate module find ``matrix``, ``qp`` and ``sparse`` there. CVXOPT
-is not installed by default (it is under the GPL) and takes its time to import, so these stand-ins
-import it when they are first used.
+is not installed by default (it is under the GPL), and it takes its time to import, as parts of
+SciPy do; these stand-ins import what they stand for when it is first used.
 """
 
 import importlib
@@ -32,6 +32,7 @@ class Deferred:
         return getattr(module, self._name) if self._name else module
 
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
+        """Call what it stands for."""
         return self._object()(*args, **kwargs)
 
     def __getattr__(self, attribute: str) -> Any:
@@ -49,3 +50,4 @@ sparse: Any = Deferred("cvxopt", "cvxopt", "sparse")
 qp: Any = Deferred("cvxopt", "cvxopt.solvers", "qp")
 solvers: Any = Deferred("cvxopt", "cvxopt.solvers")
 quadprog: Any = Deferred("quadprog", "quadprog")
+comb: Any = Deferred("scipy", "scipy.special", "comb")
