@@ -1,0 +1,454 @@
+"""Barrier certificates by the names of generation 1.
+
+Each function below is a selection of rows, made in :mod:`rps_compat.certificates`; who has which
+rows stands in ``docs/utilities.md``. None of them changes its arguments.
+"""
+
+import itertools
+from collections.abc import Callable
+from functools import cache
+from typing import Any, Protocol
+
+import numpy as np
+from numpy import dot
+
+from barrier_certificates.disturbance import WheelDisturbance
+from rps_compat import certificates, deviations, kinematics
+from rps_compat.arguments import NumberError, number, scalar
+from rps_compat.arguments import matrix as require_matrix
+from rps_compat.certificates import PointCertificate, UnicycleCertificate
+from rps_compat.deferred import comb, matrix, qp, sparse
+from rps_compat.kinematics import HALF_TURN, Array
+from rps_compat.placement import CrowdedError
+from rps_compat.v1.utilities.transformations import (
+    create_si_to_uni_dynamics,
+    create_si_to_uni_dynamics_with_backwards_motion,
+    create_si_to_uni_mapping,
+    create_uni_to_si_dynamics,
+)
+
+__all__ = [
+    "comb",
+    "create_si_to_uni_dynamics",
+    "create_si_to_uni_dynamics_with_backwards_motion",
+    "create_si_to_uni_mapping",
+    "create_single_integrator_barrier_certificate",
+    "create_single_integrator_barrier_certificate2",
+    "create_single_integrator_barrier_certificate_with_boundary",
+    "create_uni_to_si_dynamics",
+    "create_unicycle_barrier_certificate",
+    "create_unicycle_barrier_certificate2",
+    "create_unicycle_barrier_certificate_with_boundary",
+    "create_unicycle_differential_drive_barrier_certificate",
+    "create_unicycle_differential_drive_barrier_certificate_with_boundary",
+    "dot",
+    "itertools",
+    "matrix",
+    "np",
+    "qp",
+    "sparse",
+]
+
+Filter = Callable[[Array, Array], Array]
+
+ARENA = np.array([-1.6, 1.6, -1.0, 1.0])
+NOTHING = np.empty(0)
+
+#: Robots are 11 cm wide, so a smaller radius keeps nobody apart.
+SMALLEST_RADIUS = 0.12
+
+#: The fastest that robots can drive (m/s), and the limit of the published unicycle certificates
+#: whatever their ``magnitude_limit``.
+TOP_SPEED = 0.2
+
+
+class WheelFilter(Protocol):
+    """A function of commands and poses that may be told of obstacles."""
+
+    def __call__(self, dxu: Array, x: Array, obstacles: Array = ...) -> Array:
+        """Commands (v; ω) (2, N)."""
+
+
+def create_single_integrator_barrier_certificate(
+    barrier_gain: float = 100, safety_radius: float = 0.17, magnitude_limit: float = 0.2
+) -> Filter:
+    """Create ``f(dxi, x)``: the safe velocities nearest to those wanted.
+
+    Parameters
+    ----------
+    barrier_gain : float
+        γ of the rows, > 0: the larger, the faster robots may close in.
+    safety_radius : float
+        Smallest distance between two robots (m, >= 0.12).
+    magnitude_limit : float
+        Wanted velocities are scaled down to this (m/s, > 0, <= 0.2) before they are certified.
+
+    Returns
+    -------
+    callable
+        From velocities (2, N) and positions (2, N) to velocities (2, N). Raises NotAnArrayError or
+        ShapeError for anything else, NumberError unless ``dxi`` holds float64, NotFiniteError for
+        NaN; warns where no velocity is safe.
+
+    Raises
+    ------
+    NumberError
+        A parameter is of the wrong type or outside its range.
+    """
+    return _single_integrator(barrier_gain, safety_radius, magnitude_limit)
+
+
+def create_single_integrator_barrier_certificate_with_boundary(
+    barrier_gain: float = 100,
+    safety_radius: float = 0.17,
+    magnitude_limit: float = 0.2,
+    boundary_points: Array = ARENA,
+) -> Filter:
+    """Create ``f(dxi, x)`` that keeps robots in the arena too, half a radius from its sides.
+
+    `boundary_points` are x_min, x_max, y_min, y_max (m); anything else raises BoundaryError when
+    ``f`` is called. The rest is as in :func:`create_single_integrator_barrier_certificate`.
+    """
+    return _single_integrator(
+        barrier_gain, safety_radius, magnitude_limit, walls=(boundary_points,)
+    )
+
+
+def create_single_integrator_barrier_certificate2(
+    barrier_gain: float = 100,
+    unsafe_barrier_gain: float = 1e6,
+    safety_radius: float = 0.17,
+    magnitude_limit: float = 0.2,
+) -> Filter:
+    """Create ``f(dxi, x)`` that drives robots apart that are too close, by `unsafe_barrier_gain`.
+
+    The rest is as in :func:`create_single_integrator_barrier_certificate`.
+    """
+    number("unsafe_barrier_gain", unsafe_barrier_gain, above=0)
+    return _single_integrator(barrier_gain, safety_radius, magnitude_limit, unsafe_barrier_gain)
+
+
+def create_unicycle_barrier_certificate(
+    barrier_gain: float = 100,
+    safety_radius: float = 0.12,
+    projection_distance: float = 0.05,
+    magnitude_limit: float = 0.2,
+) -> Filter:
+    """Create ``f(dxu, x)``: the safe commands nearest to those wanted.
+
+    Parameters
+    ----------
+    barrier_gain : float
+        γ of the rows, > 0: the larger, the faster robots may close in.
+    safety_radius : float
+        Distance to keep (m, >= 0.12): points ahead of the robots stay `safety_radius` +
+        `projection_distance` apart.
+    projection_distance : float
+        How far ahead of the centres these points lie (m, > 0).
+    magnitude_limit : float
+        Wanted velocities of the points are scaled down to this (m/s, > 0, <= 0.2).
+
+    Returns
+    -------
+    callable
+        From commands (v; ω) (2, N) and poses (3, N) to commands (2, N), turn rates within ± π.
+        Raises NotAnArrayError or ShapeError for anything else, NotFiniteError for NaN; warns where
+        no command is safe.
+
+    Raises
+    ------
+    NumberError
+        A parameter is of the wrong type or outside its range.
+    """
+    return _unicycle(barrier_gain, safety_radius, projection_distance, magnitude_limit)
+
+
+def create_unicycle_barrier_certificate_with_boundary(
+    barrier_gain: float = 100,
+    safety_radius: float = 0.12,
+    projection_distance: float = 0.05,
+    magnitude_limit: float = 0.2,
+    boundary_points: Array = ARENA,
+) -> Filter:
+    """Create ``f(dxu, x)`` that keeps robots in the arena too.
+
+    `boundary_points` are x_min, x_max, y_min, y_max (m); anything else raises BoundaryError when
+    ``f`` is called. The rest is as in :func:`create_unicycle_barrier_certificate`.
+    """
+    return _unicycle(
+        barrier_gain, safety_radius, projection_distance, magnitude_limit, walls=(boundary_points,)
+    )
+
+
+def create_unicycle_barrier_certificate2(
+    barrier_gain: float = 500,
+    unsafe_barrier_gain: float = 1e6,
+    safety_radius: float = 0.12,
+    projection_distance: float = 0.05,
+    magnitude_limit: float = 0.2,
+) -> Filter:
+    """Create ``f(dxu, x)`` that drives robots apart that are too close, by `unsafe_barrier_gain`.
+
+    The rest is as in :func:`create_unicycle_barrier_certificate`.
+    """
+    number("unsafe_barrier_gain", unsafe_barrier_gain, above=0)
+    return _unicycle(
+        barrier_gain, safety_radius, projection_distance, magnitude_limit, unsafe_barrier_gain
+    )
+
+
+def create_unicycle_differential_drive_barrier_certificate(
+    max_num_obstacle_points: int = 100,
+    max_num_robots: int = 30,
+    disturbance: float = 5,
+    wheel_vel_limit: float = 12.5,
+    base_length: float = 0.105,
+    wheel_radius: float = 0.016,
+    projection_distance: float = 0.05,
+    barrier_gain: float = 150,
+    safety_radius: float = 0.17,
+) -> WheelFilter:
+    """Create ``robust_barriers(dxu, x, obstacles)``: safe commands that the wheels can obey.
+
+    Parameters
+    ----------
+    max_num_obstacle_points, max_num_robots : int
+        Most obstacles and robots that a call may have.
+    disturbance : float
+        Unwanted speed of a wheel (rad/s, either way) that robots stay safe under.
+    wheel_vel_limit : float
+        Fastest that a wheel turns (rad/s).
+    base_length, wheel_radius : float
+        Of the robots (m).
+    projection_distance : float
+        How far ahead of the centres the certified points lie (m).
+    barrier_gain : float
+        γ of the rows.
+    safety_radius : float
+        Smallest distance between two points, or a point and an obstacle (m).
+
+    Returns
+    -------
+    callable
+        From commands (v; ω) (2, N), poses (3, N) and obstacles (2, M), which are points, to
+        commands (2, N). Raises NotAnArrayError, ShapeError, NumberError, CrowdedError or
+        NotFiniteError for what it cannot certify; warns where no command is safe.
+
+    Raises
+    ------
+    NumberError, ZeroDivisionError
+        A parameter is not a number, or zero where robots need an extent.
+    """
+    return robust_wheels(
+        max_num_obstacle_points,
+        max_num_robots,
+        disturbance,
+        wheel_vel_limit,
+        base_length,
+        wheel_radius,
+        projection_distance,
+        barrier_gain,
+        safety_radius,
+        published="differential drive without boundary",
+    )
+
+
+def create_unicycle_differential_drive_barrier_certificate_with_boundary(
+    max_num_obstacle_points: int = 100,
+    max_num_robots: int = 30,
+    disturbance: float = 5,
+    wheel_vel_limit: float = 12.5,
+    base_length: float = 0.105,
+    wheel_radius: float = 0.016,
+    projection_distance: float = 0.05,
+    barrier_gain: float = 150,
+    safety_radius: float = 0.17,
+    boundary_points: Array = ARENA,
+) -> WheelFilter:
+    """Create ``robust_barriers(dxu, x, obstacles)`` that keeps robots in the arena too.
+
+    `boundary_points` are x_min, x_max, y_min, y_max (m); anything else raises BoundaryError at the
+    call. The walls do not allow for the disturbance, as published. The rest is as in
+    :func:`create_unicycle_differential_drive_barrier_certificate`.
+    """
+    return robust_wheels(
+        max_num_obstacle_points,
+        max_num_robots,
+        disturbance,
+        wheel_vel_limit,
+        base_length,
+        wheel_radius,
+        projection_distance,
+        barrier_gain,
+        safety_radius,
+        walls=(boundary_points,),
+    )
+
+
+def _single_integrator(
+    barrier_gain: float,
+    safety_radius: float,
+    magnitude_limit: float,
+    unsafe_gain: float | None = None,
+    walls: tuple[Any, ...] = (),
+) -> Filter:
+    number("barrier_gain", barrier_gain, above=0)
+    number("safety_radius", safety_radius, least=SMALLEST_RADIUS)
+    number("magnitude_limit", magnitude_limit, above=0, most=TOP_SPEED)
+
+    @cache
+    def certificate() -> PointCertificate:
+        boundary = certificates.boundary(walls[0]) if walls else None
+        return PointCertificate(
+            safety_radius, barrier_gain, unsafe_gain=unsafe_gain, walls=boundary
+        )
+
+    def f(dxi: Array, x: Array) -> Array:
+        require_matrix("dxi", dxi, 2)
+        require_matrix("x", x, 2, dxi.shape[1])
+        safe_velocities = certificate()
+        wanted = kinematics.scaled_to_norm(dxi, magnitude_limit)
+        if dxi.dtype.kind == "f" and deviations.as_published("certificates change their input"):
+            dxi[:] = wanted
+        if dxi.dtype != np.float64:
+            raise NumberError(
+                f"dxi holds {dxi.dtype}, expected float64: convert it with dxi.astype(float)"
+            )
+        certificates.require_finite("dxi", dxi)
+        certificates.require_finite("x", x)
+        if dxi.shape[1] == 0:
+            return wanted
+        return safe_velocities(wanted, x.astype(float))[0]
+
+    return f
+
+
+def _unicycle(
+    barrier_gain: float,
+    safety_radius: float,
+    projection_distance: float,
+    magnitude_limit: float,
+    unsafe_gain: float | None = None,
+    walls: tuple[Any, ...] = (),
+) -> Filter:
+    number("barrier_gain", barrier_gain, above=0)
+    number("safety_radius", safety_radius, least=SMALLEST_RADIUS)
+    number("projection_distance", projection_distance, above=0)
+    number("magnitude_limit", magnitude_limit, above=0, most=TOP_SPEED)
+    if deviations.as_published("magnitude_limit of unicycle certificates"):
+        magnitude_limit = TOP_SPEED
+
+    @cache
+    def certificate() -> UnicycleCertificate:
+        boundary = certificates.boundary(walls[0]) if walls else None
+        points = PointCertificate(
+            safety_radius + projection_distance,
+            barrier_gain,
+            unsafe_gain=unsafe_gain,
+            walls=boundary,
+        )
+        return UnicycleCertificate(
+            points, projection_distance, speed_limit=magnitude_limit, turn_rate_limit=HALF_TURN
+        )
+
+    def f(dxu: Array, x: Array) -> Array:
+        require_matrix("dxu", dxu, 2)
+        require_matrix("x", x, 3, dxu.shape[1])
+        certificates.require_finite("dxu", dxu)
+        certificates.require_finite("x", x)
+        if dxu.shape[1] == 0:
+            return dxu.astype(float)
+        return certificate()(dxu, x)[0]
+
+    return f
+
+
+def robust_wheels(
+    max_num_obstacles: Any,
+    max_num_robots: Any,
+    disturbance: Any,
+    wheel_vel_limit: Any,
+    base_length: Any,
+    wheel_radius: Any,
+    projection_distance: Any,
+    barrier_gain: Any,
+    safety_radius: Any,
+    walls: tuple[Any, ...] = (),
+    published: str = "",
+) -> WheelFilter:
+    """Create the certificate of the robust, differential-drive functions; see there.
+
+    Parameters
+    ----------
+    walls : tuple
+        Empty, or the boundary points.
+    published : str
+        Name of the deviation, if the published function always raises NameError.
+    """
+    for name, most in (
+        ("max_num_obstacles", max_num_obstacles),
+        ("max_num_robots", max_num_robots),
+    ):
+        if not isinstance(most, (int, np.integer)) or (most is True and name == "max_num_robots"):
+            raise NumberError(f"{name} is {most!r} ({type(most).__name__}), expected an int")
+    for name, value in (
+        ("disturbance", disturbance),
+        ("base_length", base_length),
+        ("wheel_radius", wheel_radius),
+        ("projection_distance", projection_distance),
+    ):
+        scalar(name, value)
+    if base_length == 0:
+        raise ZeroDivisionError("base_length is 0, expected the distance between the wheels (m)")
+    if projection_distance == 0:
+        raise NumberError("projection_distance is 0, expected a point ahead of the axle (m)")
+
+    @cache
+    def certificate() -> UnicycleCertificate:
+        scalar("wheel_vel_limit", wheel_vel_limit)
+        scalar("barrier_gain", barrier_gain)
+        scalar("safety_radius", safety_radius)
+        if wheel_radius == 0:
+            raise np.linalg.LinAlgError("wheel_radius is 0: such wheels move nothing")
+        robot = abs(wheel_radius), abs(base_length), abs(projection_distance)
+        points = PointCertificate(
+            safety_radius,
+            barrier_gain,
+            walls=certificates.boundary(walls[0]) if walls else None,
+            limits=certificates.wheel_box(wheel_vel_limit, *robot),
+            disturbance=WheelDisturbance(abs(disturbance), *robot),
+        )
+        return UnicycleCertificate(points, projection_distance)
+
+    def robust_barriers(dxu: Array, x: Array, obstacles: Array = NOTHING) -> Array:
+        if published and deviations.as_published(published):
+            raise NameError("name 'd' is not defined, says the published certificate")
+        require_matrix("dxu", dxu, 2)
+        require_matrix("x", x, 3, dxu.shape[1], more_rows=True)
+        certificates.require_finite("dxu", dxu)
+        certificates.require_finite("x", x[:3])
+        if dxu.shape[1] == 0:
+            return dxu.astype(float)
+        if dxu.shape[1] > max_num_robots:
+            raise CrowdedError(
+                f"{dxu.shape[1]} robots, but max_num_robots is {max_num_robots}: create the "
+                "certificate for more"
+            )
+        return certificate()(dxu, x[:3], _obstacles(obstacles, max_num_obstacles))[0]
+
+    return robust_barriers
+
+
+def _obstacles(obstacles: Any, most: int) -> Array | None:
+    """Obstacles (2, M), None if there are none."""
+    if np.size(obstacles) == 0:
+        return None
+    require_matrix("obstacles", obstacles, 2)
+    certificates.require_finite("obstacles", obstacles)
+    if obstacles.shape[1] > most:
+        raise CrowdedError(
+            f"{obstacles.shape[1]} obstacles, but at most {most} were asked for: create the "
+            "certificate for more"
+        )
+    points: Array = obstacles.astype(float)
+    return points

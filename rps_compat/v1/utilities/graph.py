@@ -1,0 +1,102 @@
+"""Graphs by the names of generation 1. The mathematics is in :mod:`rps_compat.graphs`."""
+
+import numpy as np
+
+from rps_compat import graphs
+from rps_compat.arguments import NotAnArrayError, ShapeError, agent_index, count, number
+from rps_compat.graphs import Indices
+from rps_compat.kinematics import Array
+
+__all__ = [
+    "completeGL",
+    "cycle_GL",
+    "delta_disk_neighbors",
+    "lineGL",
+    "np",
+    "randomGL",
+    "random_connectedGL",
+    "topological_neighbors",
+]
+
+
+def cycle_GL(N: int) -> Array:  # noqa: N802
+    """Laplacian (N, N) of a ring; NumberError unless `N` is an int of at least 1."""
+    count("N", N, least=1)
+    return graphs.cycle(N)
+
+
+def lineGL(N: int) -> Array:  # noqa: N802
+    """Laplacian (N, N) of a line; NumberError unless `N` is an int of at least 1."""
+    count("N", N, least=1)
+    return graphs.line(N)
+
+
+def completeGL(N: int) -> Array:  # noqa: N802
+    """Laplacian (N, N) of the complete graph; NumberError unless `N` is an int >= 1."""
+    count("N", N)
+    return graphs.complete(N)
+
+
+def randomGL(v: int, e: int) -> Array:  # noqa: N802
+    """Laplacian (v, v) of a random graph with `e` edges, as many as there can be at most."""
+    return graphs.random(v, e)
+
+
+def random_connectedGL(v: int, e: int) -> Array:  # noqa: N802
+    """Laplacian (v, v) of a random tree with `e` more edges, as many as there can be at most.
+
+    Raises
+    ------
+    NumberError
+        `v` is not an int >= 1, or `e` not an int >= 0.
+    """
+    count("v", v)
+    count("e", e, least=0)
+    return graphs.random_connected(v, e)
+
+
+def topological_neighbors(L: Array, agent: int) -> Indices:
+    """Neighbours of `agent` in the graph of the Laplacian `L` (n, n), ascending.
+
+    As published, and unlike in generation 2, ``L[agent, agent]`` is zero afterwards.
+
+    Raises
+    ------
+    NotAnArrayError, ShapeError
+        `L` is not an array, or not square.
+    AgentError
+        There is no such agent.
+    """
+    if not isinstance(L, np.ndarray):
+        raise NotAnArrayError(f"L is a {type(L).__name__}, expected a numpy array (n, n)")
+    if L.ndim != 2:
+        raise ShapeError(f"L has shape {L.shape}, expected (n, n)")
+    agent_index(agent, L.shape[0], numpy_integers=False)
+    L[agent, agent] = 0
+    return graphs.topological_neighbors(L, agent)
+
+
+def delta_disk_neighbors(poses: Array, agent: int, delta: float) -> Indices:
+    """Robots no farther than `delta` (m) from `agent`, ascending.
+
+    Parameters
+    ----------
+    poses : array
+        Positions or poses (2 or 3, N); headings are not read.
+
+    Raises
+    ------
+    NotAnArrayError, ShapeError
+        `poses` is not an array of two dimensions.
+    AgentError
+        There is no such agent.
+    NumberError
+        `delta` is not a number >= 0.
+    """
+    if not isinstance(poses, np.ndarray):
+        raise NotAnArrayError(f"poses is a {type(poses).__name__}, expected a numpy array (3, N)")
+    if poses.ndim != 2:
+        raise ShapeError(f"poses have shape {poses.shape}, expected (3, N)")
+    agent_index(agent, poses.shape[1], numpy_integers=False)
+    number("delta", delta, least=0)
+    return graphs.disk_neighbors(poses[:2], agent, delta)

@@ -1,0 +1,157 @@
+"""Starting places, arrival tests and sizes in the figure, by the names of generation 1.
+
+The mathematics is in :mod:`rps_compat.placement` and :mod:`rps_compat.controllers`.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from rps_compat import controllers, deviations, placement
+from rps_compat.arguments import count, matrix, number
+from rps_compat.graphs import Indices
+from rps_compat.kinematics import HALF_TURN, Array
+from rps_compat.lazy import LazyModule
+
+__all__ = [
+    "at_pose",
+    "at_position",
+    "determine_font_size",
+    "determine_marker_size",
+    "generate_initial_conditions",
+    "np",
+    "plt",
+]
+
+plt: Any = LazyModule("matplotlib.pyplot")
+
+#: Candidates drawn before :func:`generate_initial_conditions` gives up.
+CANDIDATES = 200
+
+#: Pixels for each metre that the published functions measure for an instance without a figure: on
+#: an empty figure of matplotlib's default size, whose axes go from 0 to 1 (see _pixels_to_edge).
+NO_FIGURE_WIDTH = 521.0
+NO_FIGURE_HEIGHT = 115.5
+
+
+def generate_initial_conditions(
+    N: int, spacing: float = 0.3, width: float = 3, height: float = 1.8
+) -> Array:
+    """Random poses (3, N) in a centred rectangle, with a distance to keep.
+
+    Draws from numpy's global generator: two numbers a candidate, then N headings.
+
+    Parameters
+    ----------
+    N : int
+        How many robots.
+    spacing : float
+        Smallest distance between two centres (m, > 0).
+    width, height : float
+        Of the rectangle (m, > 0).
+
+    Raises
+    ------
+    NumberError
+        A parameter is of the wrong type or outside its range.
+    CrowdedError
+        So many robots do not fit, or did not fit within 200 candidates.
+    """
+    count("N", N)
+    number("spacing", spacing, above=0)
+    number("width", width, above=0)
+    number("height", height, above=0)
+    positions = placement.spaced_positions(N, spacing, width, height, CANDIDATES)
+    headings = np.random.uniform(-HALF_TURN, HALF_TURN, N)  # noqa: NPY002
+    return np.vstack([positions, headings])
+
+
+def at_pose(
+    states: Array, poses: Array, position_error: float = 0.05, rotation_error: float = 0.2
+) -> tuple[Indices, ...]:
+    """Which robots are at their poses.
+
+    Parameters
+    ----------
+    states, poses : array
+        Where they are and where they should be, (3, N).
+    position_error, rotation_error : float
+        How near is near enough (m, rad).
+
+    Returns
+    -------
+    tuple of one array
+        Indices of the robots that have arrived, as :func:`numpy.nonzero` gives them.
+
+    Raises
+    ------
+    NotAnArrayError, ShapeError, NumberError
+        An argument is of the wrong type or shape.
+    """
+    number("position_error", position_error)
+    number("rotation_error", rotation_error)
+    matrix("states", states, 3)
+    matrix("poses", poses, 3, states.shape[1])
+    return np.nonzero(controllers.arrived(poses, states, position_error, rotation_error))
+
+
+def at_position(states: Array, points: Array, position_error: float = 0.02) -> tuple[Indices, ...]:
+    """Which robots are at their points: indices, as :func:`numpy.nonzero` gives them.
+
+    Parameters
+    ----------
+    states, points : array
+        Poses (3, N), and where the robots should be (2, N).
+    position_error : float
+        How near is near enough (m).
+
+    Raises
+    ------
+    NotAnArrayError, ShapeError, NumberError
+        An argument is of the wrong type or shape.
+    """
+    number("position_error", position_error)
+    matrix("states", states, 3)
+    matrix("points", points, 2)
+    if deviations.as_published("at_position"):
+        raise NameError("name 'pes' is not defined, says the published at_position")
+    matrix("points", points, 2, states.shape[1])
+    return np.nonzero(controllers.distances(states, points) <= position_error)
+
+
+#: The published axes overhang the figure by 3 % on each side, and show 10 cm around the arena.
+AXES_SPAN = 1.06
+AXES_START = -0.03
+MARGIN = 0.1
+
+
+def determine_marker_size(robotarium_instance: Any, marker_size_meters: float) -> float:
+    """Size `s` for ``scatter`` (points²) of a marker of `marker_size_meters` (m) in the figure."""
+    if not robotarium_instance.show_figure:
+        return float((NO_FIGURE_WIDTH * marker_size_meters) ** 2)
+    width, _ = _figure_pixels(robotarium_instance)
+    edge = robotarium_instance.boundaries[2]
+    return float((_pixels_to_edge(width, edge) * marker_size_meters / edge) ** 2)
+
+
+def determine_font_size(robotarium_instance: Any, font_height_meters: float) -> float:
+    """Font size (points) of letters of `font_height_meters` (m) in the figure."""
+    if not robotarium_instance.show_figure:
+        return float(NO_FIGURE_HEIGHT * font_height_meters)
+    _, height = _figure_pixels(robotarium_instance)
+    return float(AXES_SPAN * height * font_height_meters / robotarium_instance.boundaries[2])
+
+
+def _figure_pixels(robotarium_instance: Any) -> tuple[float, float]:
+    figure = robotarium_instance.figure
+    width, height = figure.get_size_inches() * figure.dpi
+    return float(width), float(height)
+
+
+def _pixels_to_edge(width: float, edge: float) -> float:
+    """Pixel column at which the published axes show x = `edge`, the arena's width in metres.
+
+    The published function takes that for the width of the arena in pixels.
+    """
+    share = (edge + edge / 2 + MARGIN) / (edge + 2 * MARGIN)
+    return width * (AXES_START + AXES_SPAN * share)
