@@ -5,7 +5,9 @@ import sys
 import typer
 
 from posflock_robotarium import __version__
+from posflock_robotarium.commands.verify import profile, verify
 from posflock_robotarium.errors import PosflockError
+from rps_compat.errors import RobotariumError
 
 app = typer.Typer(
     name="posflock",
@@ -34,12 +36,14 @@ def _posflock(
 
 
 # Each family of commands is registered here, in the order a researcher meets them.
+app.command()(verify)
+app.command()(profile)
 
 
 def main() -> None:
     """Run the command line; an error the user can mend is one plain line and exit code 2."""
     try:
         app()
-    except PosflockError as error:
+    except (PosflockError, RobotariumError) as error:
         typer.echo(f"posflock: {error}", err=True)
         sys.exit(2)
