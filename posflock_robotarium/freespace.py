@@ -40,7 +40,7 @@ from posflock_robotarium.law import (
     saturate,
     velocity_based_input,
 )
-from posflock_robotarium.pairs import (
+from posflock_robotarium.neighbour_search import (
     TREE_FROM_AGENTS,
     neighbour_pairs,
     position_based_input_over,

@@ -6,8 +6,10 @@ libraries that the testbed has or lacks.  :func:`trace` walks all ``import`` sta
 those inside functions, and follows into every file that is not part of an installed library
 of the testbed.
 
-Two kinds of import are not followed: those under ``if TYPE_CHECKING``, which never run, and the
-fallbacks in ``except ImportError`` of something that the testbed has, which never run there.
+Three kinds of import are not followed: those under ``if TYPE_CHECKING``, which never run; the
+fallbacks in ``except ImportError`` of something that the testbed has, which never run there; and
+what a package imports inside a function and needs a library that the testbed lacks, such as a
+choice of several solvers.
 """
 
 from __future__ import annotations
@@ -46,6 +48,8 @@ class Import:
         Whether an ``except ImportError`` catches its absence.
     relative : bool
         Whether it was written with leading dots.
+    lazy : bool
+        Whether it stands in a function, and runs only if that is called.
     """
 
     module: str
@@ -53,6 +57,7 @@ class Import:
     line: int
     guarded: bool = False
     relative: bool = False
+    lazy: bool = False
 
     @property
     def top(self) -> str:
@@ -116,12 +121,15 @@ class Trace:
         Top-level names that the testbed has.
     missing : list of Missing
         What it has not, first mention each; those guarded by ``except ImportError`` are left out.
+    left_out : dict
+        Modules that a package offers but that cannot work there → the library they need.
     """
 
     script: Path
     locals: list[Local] = field(default_factory=list)
     libraries: set[str] = field(default_factory=set)
     missing: list[Missing] = field(default_factory=list)
+    left_out: dict[str, str] = field(default_factory=dict)
 
 
 def read_source(path: Path) -> str:
@@ -166,7 +174,7 @@ def imports(tree: ast.Module, package: str = "") -> list[Import]:
     package : str
         The package the file belongs to, for relative imports; empty for a script.
     """
-    return list(_walk(tree.body, package, guarded=False))
+    return list(_walk(tree.body, package))
 
 
 def trace(script: Path, search: Sequence[Path] = ()) -> Trace:
@@ -209,46 +217,62 @@ def trace(script: Path, search: Sequence[Path] = ()) -> Trace:
             for name, file, is_package in files:
                 if name in seen:
                     continue
+                if statement.lazy and package and not is_package:
+                    absent = _absent_library(parse(file))
+                    if absent:
+                        found.left_out[name] = absent
+                        continue
                 seen.add(name)
                 found.locals.append(Local(name, file, is_package, path, statement.line))
                 queue.append((file, name if is_package else name.rpartition(".")[0]))
     return found
 
 
-def _walk(body: Sequence[ast.stmt], package: str, guarded: bool) -> Iterator[Import]:
+def _walk(
+    body: Sequence[ast.stmt], package: str, guarded: bool = False, lazy: bool = False
+) -> Iterator[Import]:
     for node in body:
         if isinstance(node, ast.Import):
             for alias in node.names:
-                yield Import(alias.name, (), node.lineno, guarded)
+                yield Import(alias.name, (), node.lineno, guarded, lazy=lazy)
         elif isinstance(node, ast.ImportFrom):
             names = tuple(alias.name for alias in node.names)
             module = _absolute(node, package)
-            yield Import(module, names, node.lineno, guarded, relative=node.level > 0)
+            yield Import(module, names, node.lineno, guarded, node.level > 0, lazy)
         elif isinstance(node, ast.If) and _never_runs(node.test):
-            yield from _walk(node.orelse, package, guarded)
+            yield from _walk(node.orelse, package, guarded, lazy)
         elif isinstance(node, ast.Try):
             catches = any(_catches_import_error(handler) for handler in node.handlers)
-            yield from _walk(node.body, package, guarded or catches)
+            yield from _walk(node.body, package, guarded or catches, lazy)
             if not (catches and _always_there(node.body, package)):
                 for handler in node.handlers:
-                    yield from _walk(handler.body, package, guarded)
-                yield from _walk(node.orelse, package, guarded)
-            else:
-                yield from _walk(node.orelse, package, guarded)
-            yield from _walk(node.finalbody, package, guarded)
+                    yield from _walk(handler.body, package, guarded, lazy)
+            yield from _walk([*node.orelse, *node.finalbody], package, guarded, lazy)
         else:
+            inside = isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
             for _, value in ast.iter_fields(node):
                 if isinstance(value, list):
                     statements = [entry for entry in value if isinstance(entry, ast.stmt)]
-                    yield from _walk(statements, package, guarded)
                     for entry in value:
                         if isinstance(entry, ast.match_case):
-                            yield from _walk(entry.body, package, guarded)
+                            statements += entry.body
+                    yield from _walk(statements, package, guarded, lazy or inside)
+
+
+def _absent_library(tree: ast.Module) -> str | None:
+    """Return a library that a module imports and the testbed has not."""
+    for statement in imports(tree):
+        top = statement.top
+        if statement.relative or statement.guarded or testbed.is_available(top):
+            continue
+        if top in testbed.ABSENT or (top not in _OURS and _is_installed(top)):
+            return top
+    return None
 
 
 def _always_there(body: Sequence[ast.stmt], package: str) -> bool:
     """Whether all that a ``try`` imports is on the testbed, so that its handlers never run."""
-    return all(testbed.is_available(statement.top) for statement in _walk(body, package, True))
+    return all(testbed.is_available(statement.top) for statement in _walk(body, package))
 
 
 def _catches_import_error(handler: ast.ExceptHandler) -> bool:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from posflock_robotarium import metrics
 from posflock_robotarium.errors import ParameterError
 from posflock_robotarium.freespace import Recording
-from posflock_robotarium.pairs import TREE_FROM_AGENTS
+from posflock_robotarium.neighbour_search import TREE_FROM_AGENTS
 
 Floats = NDArray[np.float64]
 

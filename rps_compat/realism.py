@@ -559,10 +559,17 @@ class Imperfections:
 
     The same profile and generator give the same run, and an effect's draws do not depend on
     which other effects are on.
+
+    Attributes
+    ----------
+    commanded : bool
+        Whether the script has commanded since the last step; whoever knows sets it before each
+        step, and the watchdog counts the steps for which it is False.
     """
 
     def __init__(self, profile: Profile) -> None:
         self.profile = profile
+        self.commanded = True
         self._motors: list[MotorStage] = []
         self._tracking: list[TrackingStage] = []
         self._speeds = np.zeros(0)
@@ -582,15 +589,9 @@ class Imperfections:
             stages = self._tracking if name in _TRACKING else self._motors
             stages.append(effect.begin(robots, time_step, stream))
 
-    def actuate(
-        self, velocities: Array, poses: Array, time: float, commanded: bool = True
-    ) -> Array:
-        """Velocities (2, N) really driven in this step, of those commanded, m/s and rad/s.
-
-        `commanded` is False where the script gave no command since the last step: the watchdog
-        counts those.
-        """
-        if commanded:
+    def actuate(self, velocities: Array, poses: Array, time: float) -> Array:
+        """Velocities (2, N) really driven in this step, of those commanded, m/s and rad/s."""
+        if self.commanded:
             self._age[:] = 0.0
         else:
             self._age += self._time_step

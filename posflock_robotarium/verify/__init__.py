@@ -1,0 +1,336 @@
+"""Will it run on the testbed? Predict it, instead of waiting for the answer.
+
+:func:`verify` reads a script's source (`static`), runs it once in the ideal simulator and many
+times under imperfections (`trials`), interrupts it twice, and says PASS, RISK or FAIL with
+reasons (`judge`, `findings`).  :func:`ablate` asks which imperfection it is that breaks a script.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from posflock_robotarium import testbed
+from posflock_robotarium.errors import ParameterError
+from posflock_robotarium.verify import generations, judge, static
+from posflock_robotarium.verify.findings import (
+    Finding,
+    Verdict,
+    verdict_of,
+    wilson_interval,
+)
+
+if TYPE_CHECKING:
+    from posflock_robotarium.verify.trials import Limits, Ran
+    from rps_compat.realism import Profile
+
+#: Version of the format of ``verify.json``; see docs/verify.md.
+SCHEMA = "posflock verify 1"
+
+__all__ = ["Ablation", "Finding", "Report", "Verdict", "ablate", "verify"]
+
+
+@dataclass(frozen=True)
+class Report:
+    """What verify found out.
+
+    Attributes
+    ----------
+    script : Path
+        The main file.
+    verdict : Verdict
+        PASS, RISK or FAIL.
+    findings : list of Finding
+        Reasons, the worst first.
+    generation : int
+        Of the API that the runs used.
+    profile : str
+        The realism profile of the trials.
+    ideal : Ran, optional
+        The ideal run; None where the source alone settled it.
+    trials : list of Ran
+        Those with imperfections.
+    declared : float, optional
+        Duration that will be declared, s.
+    """
+
+    script: Path
+    verdict: Verdict
+    findings: list[Finding]
+    generation: int
+    profile: str
+    ideal: Ran | None = None
+    trials: list[Ran] = field(default_factory=list)
+    declared: float | None = None
+
+    @property
+    def exit_code(self) -> int:
+        """0 for PASS, 1 for RISK, 2 for FAIL."""
+        return {Verdict.PASS: 0, Verdict.RISK: 1, Verdict.FAIL: 2}[self.verdict]
+
+    def figures(self) -> dict[str, Any]:
+        """Return the numbers that a reader wants even where nothing is wrong."""
+        if self.ideal is None or not self.ideal.outcome.steps:
+            return {}
+        ideal = self.ideal.outcome
+        ran = [trial.outcome for trial in self.trials if trial.outcome.steps]
+        least, median, most = testbed.INITIAL_DRIVE
+        out: dict[str, Any] = {
+            "robots": ideal.robots,
+            "steps": ideal.steps,
+            "run_seconds": ideal.clock,
+            "initial_drive_seconds": {"least": least, "median": median, "most": most},
+            "predicted_seconds": ideal.clock + median,
+            "recommended_duration": judge.recommended_duration(ideal.clock),
+            "loop_milliseconds": {k: 1000 * v for k, v in ideal.loop.items() if k != "at"},
+            "largest_wheel_speed": ideal.largest_wheel,
+            "smallest_gap": {"ideal": ideal.smallest_gap.get("metres")},
+            "smallest_wall_gap": {"ideal": ideal.wall_gap.get("metres")},
+        }
+        if ran:
+            for name, part in (("smallest_gap", "smallest_gap"), ("smallest_wall_gap", "wall_gap")):
+                gaps = [getattr(o, part)["metres"] for o in ran if getattr(o, part)]
+                out[name]["trials"] = min(gaps) if gaps else None
+            for name, kind in (("collision", "collision"), ("boundary", "boundary")):
+                hits = sum(any(event[0] == kind for event in o.events) for o in ran)
+                out[f"{name}_runs"] = {
+                    "trials": len(ran),
+                    "hits": hits,
+                    "interval": list(wilson_interval(hits, len(ran))),
+                }
+        return out
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return what ``verify.json`` holds; docs/verify.md describes it."""
+        return {
+            "schema": SCHEMA,
+            "script": self.script.name,
+            "verdict": self.verdict.name,
+            "generation": self.generation,
+            "profile": self.profile,
+            "declared": self.declared,
+            "findings": [finding.as_dict() for finding in self.findings],
+            "figures": self.figures(),
+            "trials": [
+                {
+                    "name": o.name,
+                    "seed": o.seed,
+                    "ended": o.ended,
+                    "steps": o.steps,
+                    "seconds": o.time,
+                    "close_pairs": o.close_pairs,
+                    "outside_steps": o.outside_steps,
+                    "smallest_gap": o.smallest_gap.get("metres"),
+                    "wall_gap": o.wall_gap.get("metres"),
+                }
+                for o in (ran.outcome for ran in [self.ideal, *self.trials] if ran is not None)
+            ],
+        }
+
+
+def verify(
+    script: Path | str,
+    *,
+    trials: int = 20,
+    profile: Profile | str | Path = "gritsbot_x",
+    generation: int = 2,
+    declared: float | None = None,
+    seed: int = 0,
+    limits: Limits | None = None,
+    search: Sequence[Path] = (),
+    tell: Callable[[str, int, int], None] | None = None,
+) -> Report:
+    """Predict whether the testbed takes `script`, runs it, and gives its data back.
+
+    Parameters
+    ----------
+    script : path
+        The main file; its local modules and data lie beside it.
+    trials : int
+        Runs with imperfections, besides the ideal one.
+    profile : Profile, name or path
+        The imperfections: ``gritsbot_x``, ``harsh``, or a TOML file.
+    generation : int
+        Of the API that the testbed runs: 2 since April 2026.
+    declared : float, optional
+        Seconds that will be declared at submission.
+    seed : int
+        First of the trials' seeds.
+    limits : Limits, optional
+        What each trial may use.
+    search : sequence of Path
+        Further folders with local modules.
+    tell : callable, optional
+        Is told of progress: what, done, of how many.
+
+    Raises
+    ------
+    ScriptError
+        Where `script` cannot be read.
+    ParameterError
+        Where an option is outside its range.
+    ProfileError
+        Where the profile is not one.
+    """
+    from posflock_robotarium.verify import trials as running
+    from rps_compat.profiles import load_profile
+    from rps_compat.realism import Profile
+
+    script = Path(script)
+    if trials < 0:
+        raise ParameterError(f"trials: expected 0 or more, got {trials}")
+    if generation not in (1, 2):
+        raise ParameterError(f"generation: expected 1 or 2, got {generation}")
+    if declared is not None and not 0 < declared <= testbed.MAX_DURATION:
+        raise ParameterError(
+            f"declared: expected more than 0 and at most {testbed.MAX_DURATION:.0f} s,"
+            f" got {declared}"
+        )
+    chosen = profile if isinstance(profile, Profile) else load_profile(profile)
+    known, source = static.check_source(script, generation, tuple(search))
+    if source is None or any(f.code in ("syntax", "module-missing", "stand-in") for f in known):
+        return _report(script, known, generation, chosen.name, declared=declared)
+    if any(finding.code == "generation" for finding in known):
+        # Run it under the generation it was written for: there may be more to tell.
+        generation = generations.generation_of(source.tree) or generation
+    with running.TrialRoom(source, generation, limits or running.Limits()) as room:
+        found, ideal, ran = _run(room, chosen, trials, declared, seed, known, tell)
+    return _report(script, [*known, *found], generation, chosen.name, ideal, ran, declared)
+
+
+def _run(
+    room: Any,
+    profile: Profile,
+    trials: int,
+    declared: float | None,
+    seed: int,
+    known: list[Finding],
+    tell: Callable[[str, int, int], None] | None,
+) -> tuple[list[Finding], Ran, list[Ran]]:
+    """Run the ideal trial, then all others, whose moments of interruption depend on it."""
+    import numpy as np
+
+    done = 0
+
+    def count(what: str, total: int) -> Callable[[Any], None]:
+        def told(_: Any) -> None:
+            nonlocal done
+            done += 1
+            if tell is not None:
+                tell(what, done, total)
+
+        return told
+
+    longest = min(declared or testbed.MAX_DURATION, testbed.MAX_DURATION)
+    total = trials + 4
+    (ideal,) = room.run([room.plan("ideal", longest=longest)], count("ideal run", total))
+    if not ideal.outcome.steps or ideal.outcome.ended in ("crashed", "hung", "memory", "died"):
+        return judge.judge(ideal, [], None, None, None, declared, known), ideal, []
+    moments = np.random.default_rng([seed, 1]).uniform(0.25, 0.75, 2) * ideal.outcome.time
+    plans = [
+        room.plan("interrupted", interrupt_at=float(moments[0]), longest=longest),
+        room.plan("killed", kill_at=float(moments[1]), longest=longest),
+        room.plan("drive", initial="drive", stop_after=1, longest=longest),
+        *(
+            room.plan(
+                f"trial-{k:03d}", profile, initial="arrive", seed=seed + k, longest=longest
+            )
+            for k in range(trials)
+        ),
+    ]
+    interrupted, killed, drive, *ran = room.run(plans, count("trials", total))
+    found = judge.judge(ideal, ran, drive.outcome, interrupted, killed, declared, known)
+    return found, ideal, ran
+
+
+def _report(
+    script: Path,
+    findings: Sequence[Finding],
+    generation: int,
+    profile: str,
+    ideal: Ran | None = None,
+    trials: Sequence[Ran] = (),
+    declared: float | None = None,
+) -> Report:
+    ordered = sorted(findings, key=lambda finding: -finding.verdict)
+    return Report(
+        script, verdict_of(ordered), ordered, generation, profile, ideal, list(trials), declared
+    )
+
+
+@dataclass(frozen=True)
+class Ablation:
+    """How a script fares under one imperfection alone.
+
+    Attributes
+    ----------
+    effect : str
+        Its name; ``all`` for the whole profile.
+    trials, collisions, outside, failed : int
+        Runs; how many had a collision, left the arena, ended badly.
+    gap : float
+        Smallest distance of two centres in any of them, m.
+    """
+
+    effect: str
+    trials: int
+    collisions: int
+    outside: int
+    failed: int
+    gap: float
+
+
+def ablate(
+    script: Path | str,
+    *,
+    effects: Sequence[str] = (),
+    trials: int = 5,
+    profile: Profile | str | Path = "gritsbot_x",
+    generation: int = 2,
+    seed: int = 0,
+    limits: Limits | None = None,
+    tell: Callable[[str, int, int], None] | None = None,
+) -> list[Ablation]:
+    """Run `script` under each imperfection of a profile alone, and under all of them.
+
+    Parameters
+    ----------
+    effects : sequence of str
+        Which; all that the profile has by default.
+
+    The other parameters, and what is raised, are those of :func:`verify`.
+    """
+    from posflock_robotarium.verify import trials as running
+    from rps_compat.profiles import load_profile
+    from rps_compat.realism import Profile
+
+    chosen = profile if isinstance(profile, Profile) else load_profile(profile)
+    _, source = static.check_source(Path(script), generation)
+    if source is None:
+        raise ParameterError(f"{script}: is not valid Python; `posflock verify` says where")
+    cases = [(name, chosen.only(name)) for name in effects or chosen.effects] + [("all", chosen)]
+    generation = generations.generation_of(source.tree) or generation
+    out = []
+    with running.TrialRoom(source, generation, limits or running.Limits()) as room:
+        plans = [
+            room.plan(f"{name}-{k}", case, initial="arrive", seed=seed + k)
+            for name, case in cases
+            for k in range(trials)
+        ]
+        count = iter(range(1, len(plans) + 1))
+        ran = room.run(plans, lambda o: tell(o.name, next(count), len(plans)) if tell else None)
+    for index, (name, _) in enumerate(cases):
+        own = [r.outcome for r in ran[index * trials : (index + 1) * trials]]
+        out.append(
+            Ablation(
+                name,
+                len(own),
+                sum(o.close_pairs > 0 for o in own),
+                sum(o.outside_steps > 0 for o in own),
+                sum(o.ended not in ("finished", "over-time") for o in own),
+                min((o.smallest_gap["metres"] for o in own if o.smallest_gap), default=float("nan")),
+            )
+        )
+    return out

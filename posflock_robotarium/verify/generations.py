@@ -63,6 +63,9 @@ def wrong_names(tree: ast.Module, generation: int) -> Iterator[tuple[int, str, s
     functions = UTILITIES if generation == 2 else _NEW_UTILITIES
     attributes = RENAMED if generation == 2 else _NEW_ATTRIBUTES
     probed = _probed(tree)
+    # Who asks for one of a pair of names knows the other one, too.
+    probed |= {table[name] for name in probed for table in (functions, attributes) if name in table}
+    probed |= {name for table in (functions, attributes) for name in table if table[name] in probed}
     instances = _instances(tree)
     own = {n.name for n in ast.walk(tree) if isinstance(n, (ast.FunctionDef, ast.ClassDef))}
     own |= {

@@ -216,10 +216,13 @@ class Watch:
         self.arenas: list[Any] = []
         self.loops: list[float] = []
         self.smallest_gap: tuple[float, float, tuple[int, int]] = (np.inf, 0.0, (0, 0))
+        self.initial_gap = self.smallest_gap
         self.wall_gap: tuple[float, float, int] = (np.inf, 0.0, 0)
         self.silent = (0.0, 0.0)
         self._silence = 0.0
-        self._given: Any = None
+        self._held: Any = None
+        self._commanded = False
+        self.imperfections: list[Any] = []
         self._pulse = pulse
         self._steps = 0
         self._refusals = 0
@@ -229,7 +232,11 @@ class Watch:
 
     def created(self, robotarium: Any) -> None:
         """Take note of a Robotarium that the script made."""
-        self.arenas.append(robotarium._arena)
+        arena = robotarium._arena
+        self.arenas.append(arena)
+        if len(self.arenas) == 1:
+            self._measure(0.0, arena)
+            self.initial_gap = self.smallest_gap
         self.clock.resume()
 
     def append(self, t: float, poses: NDArray[np.float64], commands: NDArray[np.float64]) -> None:
@@ -271,16 +278,23 @@ class Watch:
 
     def _hear(self, t: float, arena: Any) -> None:
         """Count how long the robots drive on without a new command."""
-        if arena.commands is self._given and np.abs(arena.velocities).max(initial=0.0) > 0:
+        fresh = self._commanded or arena.commands is not self._held
+        for imperfections in self.imperfections:
+            imperfections.commanded = fresh
+        if fresh or not np.abs(arena.velocities).max(initial=0.0) > 0:
+            self._silence = 0.0
+        else:
             self._silence += arena.robot.time_step
             if self._silence > self.silent[0]:
                 self.silent = (self._silence, t)
-        else:
-            self._silence = 0.0
+
+    def commanded(self) -> None:
+        """Take note that the script gave a command."""
+        self._commanded = True
 
     def after_step(self, arena: Any) -> None:
         """Let the script's time begin, and remember the command that holds until another."""
-        self._given = arena.commands
+        self._held, self._commanded = arena.commands, False
         self.clock.resume()
 
 
@@ -332,10 +346,16 @@ def _run(plan: TrialPlan, outcome: Outcome, pulse: mmap.mmap, deeds: int) -> Non
     clock = Clock()
     watch = Watch(plan, pulse, clock)
     profile = profile_from_dict(plan.profile) if plan.profile else None
+
+    def imperfections() -> Imperfections:
+        assert profile is not None
+        watch.imperfections.append(Imperfections(profile))
+        return watch.imperfections[-1]
+
     session = Session(
         initial=plan.initial,  # type: ignore[arg-type]
         seed=plan.seed,
-        realism=None if profile is None else lambda: Imperfections(profile),
+        realism=None if profile is None else imperfections,
         recorder=lambda robots: watch,
         created=watch.created,
     )
@@ -351,7 +371,7 @@ def _run(plan: TrialPlan, outcome: Outcome, pulse: mmap.mmap, deeds: int) -> Non
     _limit(plan.memory)
     guard = _Guard(scratch, deeds, watch)
     guard.install()
-    _time_steps(watch, plan.generation)
+    _listen(watch, plan.generation)
     _run_guarded(plan, outcome, session, clock, watch, scratch)
     _describe(outcome, watch, plan)
 
@@ -391,11 +411,19 @@ def _run_guarded(
         outcome.ended = "interrupted"
 
 
-def _time_steps(watch: Watch, generation: int) -> None:
-    """Have the script's own time counted from the end of each step."""
+def _listen(watch: Watch, generation: int) -> None:
+    """Be told of the end of each step, of each command, and of the finishing call."""
     from importlib import import_module
 
     kind = import_module(f"rps_compat.v{generation}.robotarium").Robotarium
+    base = kind.__mro__[1]
+    command = base.set_velocities
+
+    def heard(self: Any, ids: Any, velocities: Any) -> None:
+        watch.commanded()
+        command(self, ids, velocities)
+
+    base.set_velocities = heard
     step, finish = kind.step, "debug" if generation == 2 else "call_at_scripts_end"
     finishing = getattr(kind, finish)
 
@@ -559,9 +587,10 @@ def _describe(outcome: Outcome, watch: Watch, plan: TrialPlan) -> None:
     outcome.close_pairs, outcome.outside_steps = found.close_pairs, found.outside_steps
     outcome.actuator_steps = found.actuator_steps
     outcome.largest_wheel = found.largest_wheel_velocity
-    gap, t, pair = watch.smallest_gap
-    if np.isfinite(gap):
-        outcome.smallest_gap = {"metres": gap, "time": t, "robots": list(pair)}
+    for name in ("smallest_gap", "initial_gap"):
+        gap, t, pair = getattr(watch, name)
+        if np.isfinite(gap):
+            setattr(outcome, name, {"metres": gap, "time": t, "robots": list(pair)})
     gap, t, robot = watch.wall_gap
     if np.isfinite(gap):
         outcome.wall_gap = {"metres": gap, "time": t, "robots": [robot]}

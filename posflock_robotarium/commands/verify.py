@@ -1,0 +1,125 @@
+"""``posflock verify`` and ``posflock profile``: will it run on the testbed?"""
+
+from pathlib import Path
+
+import typer
+
+
+def verify(
+    script: Path = typer.Argument(..., help="The experiment's main file."),
+    trials: int = typer.Option(20, "--trials", "-n", help="Runs with imperfections."),
+    profile: str = typer.Option(
+        "gritsbot_x", help="Imperfections: ideal, gritsbot_x, harsh, or a TOML file."
+    ),
+    duration: float = typer.Option(
+        0.0, "--duration", "-d", help="Seconds you will declare at submission; 0 is not known yet."
+    ),
+    generation: int = typer.Option(2, help="Generation of the API on the testbed, 1 or 2."),
+    seed: int = typer.Option(0, help="First seed of the trials."),
+    out: Path = typer.Option(None, "--out", "-o", help="Folder for verify.html and verify.json."),
+    json_only: bool = typer.Option(False, "--json", help="Print verify.json, and nothing else."),
+    effect: list[str] = typer.Option(
+        [], "--effect", help="Instead: run under this imperfection alone; 'each' for each in turn."
+    ),
+    jobs: int = typer.Option(0, help="Trials at a time; 0 is one a processor."),
+    stall: float = typer.Option(20.0, help="Seconds without a step after which a trial hangs."),
+    timeout: float = typer.Option(300.0, help="Seconds that a trial may take."),
+    memory: float = typer.Option(2.0, help="GiB that a trial may allocate."),
+) -> None:
+    """Predict whether the testbed takes a script, runs it to its end, and returns its data.
+
+    Exit code 0 is PASS, 1 is RISK, 2 is FAIL (or an error before there was a verdict).
+
+    Examples:
+
+      posflock verify experiments/robotarium_9bot.py
+
+      posflock verify main.py --duration 300 -o results/verify
+
+      posflock verify main.py --effect each
+    """
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from posflock_robotarium.errors import ParameterError
+    from posflock_robotarium.verify import ablate
+    from posflock_robotarium.verify import verify as run
+    from posflock_robotarium.verify.pages import write_report
+    from posflock_robotarium.verify.terminal import print_ablation, print_report
+    from posflock_robotarium.verify.trials import Limits
+
+    for name, value in (("stall", stall), ("timeout", timeout), ("memory", memory)):
+        if not value > 0:
+            raise ParameterError(f"{name}: expected more than 0, got {value}")
+    limits = Limits(
+        jobs=jobs if jobs > 0 else Limits.jobs,
+        stall=stall,
+        seconds=timeout,
+        memory=int(memory * 2**30),
+    )
+    console = Console(soft_wrap=not Console().is_terminal)
+    with Progress(
+        console=Console(stderr=True), transient=True, disable=json_only or not console.is_terminal
+    ) as progress:
+        task = progress.add_task("starting", total=None)
+
+        def tell(what: str, done: int, total: int) -> None:
+            progress.update(task, description=what, completed=done, total=total)
+
+        if effect:
+            named = [] if "each" in effect else effect
+            rows = ablate(
+                script,
+                effects=named,
+                trials=min(trials, 5) if trials == 20 else trials,
+                profile=profile,
+                generation=generation,
+                seed=seed,
+                limits=limits,
+                tell=tell,
+            )
+        else:
+            report = run(
+                script,
+                trials=trials,
+                profile=profile,
+                generation=generation,
+                declared=duration or None,
+                seed=seed,
+                limits=limits,
+                tell=tell,
+            )
+    if effect:
+        if json_only:
+            import json
+            from dataclasses import asdict
+
+            typer.echo(json.dumps([asdict(row) for row in rows], indent=1))
+        else:
+            print_ablation(rows, console)
+        return
+    written = write_report(report, out) if out is not None else []
+    if json_only:
+        import json
+
+        typer.echo(json.dumps(report.as_dict(), indent=1))
+    else:
+        print_report(report, console)
+        for path in written:
+            console.print(f"wrote {path}", highlight=False)
+    raise typer.Exit(report.exit_code)
+
+
+def profile(
+    name: str = typer.Argument("gritsbot_x", help="ideal, gritsbot_x or harsh."),
+) -> None:
+    """Print a realism profile as TOML, to copy and edit.
+
+    Example:
+
+      posflock profile gritsbot_x > lab.toml
+    """
+    from rps_compat.profiles import load_profile, profile_text
+
+    load_profile(name)
+    typer.echo(profile_text(name), nl=False)

@@ -1,0 +1,80 @@
+"""A verify report as files: ``verify.json`` for programs, ``verify.html`` for people."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from posflock_robotarium.errors import OutputError
+from posflock_robotarium.verify.findings import CODES
+from posflock_robotarium.verify.terminal import figure_lines
+
+if TYPE_CHECKING:
+    from posflock_robotarium.verify import Report
+
+#: Centres this near are a collision when robots face each other: 0.135 m between points 0.025 m
+#: ahead of each.
+_COLLISION = 0.185
+
+
+def write_report(report: Report, folder: Path) -> list[Path]:
+    """Write ``verify.json`` and ``verify.html`` into `folder` and return their paths.
+
+    Raises
+    ------
+    OutputError
+        Where that is not possible.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        data, page = folder / "verify.json", folder / "verify.html"
+        data.write_text(
+            json.dumps(report.as_dict(), indent=1, allow_nan=False) + "\n", encoding="utf-8"
+        )
+        page.write_text(html(report), encoding="utf-8")
+    except OSError as error:
+        raise OutputError(f"cannot write the report into {folder}: {error}") from error
+    return [data, page]
+
+
+def html(report: Report) -> str:
+    """Return the report as one self-contained page."""
+    from jinja2 import Environment, PackageLoader
+
+    environment = Environment(
+        loader=PackageLoader("posflock_robotarium.verify", "assets"),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template("verify.html.j2").render(
+        report=report,
+        findings=[(finding, CODES[finding.code]) for finding in report.findings],
+        figures=[line.split(None, 1) for line in figure_lines(report)],
+        strip=_strip(report),
+    )
+
+
+def _strip(report: Report) -> dict[str, Any] | None:
+    """Lay the smallest gap of every run on a line, in pixels, with the collision distance."""
+    gaps = [
+        (ran.outcome.smallest_gap["metres"], ran.outcome.name, ran.outcome.close_pairs > 0)
+        for ran in ([report.ideal] if report.ideal else []) + report.trials
+        if ran.outcome.smallest_gap
+    ]
+    if not gaps:
+        return None
+    right = max(0.40, max(gap for gap, _, _ in gaps) * 1.1)
+
+    def across(metres: float) -> float:
+        return round(20 + 600 * metres / right, 1)
+
+    return {
+        "dots": [
+            {"x": across(gap), "y": 52 - 9 * (k % 4), "name": name, "gap": gap, "hit": hit}
+            for k, (gap, name, hit) in enumerate(gaps)
+        ],
+        "limit": across(_COLLISION),
+        "ticks": [(across(k / 10), f"{k / 10:.1f}") for k in range(int(right * 10) + 1)],
+    }

@@ -1,0 +1,101 @@
+"""A verify report for the terminal: a table where there is one, plain lines where not."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from posflock_robotarium.verify.findings import Verdict
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from posflock_robotarium.verify import Ablation, Report
+
+_COLOURS = {Verdict.PASS: "green", Verdict.RISK: "yellow", Verdict.FAIL: "red", Verdict.NOTE: "dim"}
+
+
+def print_report(report: Report, console: Console) -> None:
+    """Print verdict, figures and findings."""
+    from rich.markup import escape
+    from rich.table import Table
+
+    colour = _COLOURS[report.verdict]
+    console.print(
+        f"[bold {colour}]{report.verdict.name}[/]  {escape(report.script.name)}"
+        f"  [dim]generation {report.generation}, {len(report.trials)} trials under"
+        f" {escape(report.profile)}[/]"
+    )
+    for line in figure_lines(report):
+        console.print(f"  {escape(line)}", highlight=False)
+    if not report.findings:
+        console.print("  Nothing to mend.")
+        return
+    table = Table(box=None, padding=(0, 2, 0, 0), show_edge=False, pad_edge=False)
+    for heading in ("", "what", "where", "why, and what to do"):
+        table.add_column(heading, overflow="fold")
+    for finding in report.findings:
+        text = escape(finding.message)
+        if finding.advice:
+            text += f"\n[dim]→ {escape(finding.advice)}[/]"
+        shade = _COLOURS[finding.verdict]
+        table.add_row(
+            f"[{shade}]{finding.verdict.name}[/]", finding.code, escape(finding.where), text
+        )
+    console.print()
+    console.print(table)
+
+
+def figure_lines(report: Report) -> list[str]:
+    """Return the figures of a report in words, one line each."""
+    found = report.figures()
+    if not found:
+        return []
+    drive, loop = found["initial_drive_seconds"], found["loop_milliseconds"]
+    lines = [
+        f"duration   {found['run_seconds']:.0f} s after a drive to the initial conditions of"
+        f" {drive['least']:.0f} to {drive['most']:.0f} s (median {drive['median']:.0f}):"
+        f" declare {found['recommended_duration']:.0f} s"
+        + (f"; {report.declared:.0f} s will be" if report.declared else ""),
+    ]
+    if loop:
+        lines.append(
+            f"loop       p50 {loop['p50']:.1f} ms, p99 {loop['p99']:.1f} ms, longest"
+            f" {loop['max']:.1f} ms of the 33 ms a step has (this machine's CPU time)"
+        )
+    for name, label in (("smallest_gap", "gap"), ("smallest_wall_gap", "wall gap")):
+        ideal, trials = found[name].get("ideal"), found[name].get("trials")
+        if ideal is not None:
+            lines.append(
+                f"{label:<10} at least {ideal:.3f} m between "
+                + ("centres" if name == "smallest_gap" else "centre and wall")
+                + " in the ideal run"
+                + (f", {trials:.3f} m in the trials" if trials is not None else "")
+            )
+    for name in ("collision", "boundary"):
+        runs = found.get(f"{name}_runs")
+        if runs:
+            low, high = runs["interval"]
+            lines.append(
+                f"{name:<10} {runs['hits']} of {runs['trials']} trials"
+                f" (95 % interval {100 * low:.0f} to {100 * high:.0f} % of runs)"
+            )
+    return lines
+
+
+def print_ablation(rows: Sequence[Ablation], console: Console) -> None:
+    """Print how a script fares under each imperfection alone."""
+    from rich.table import Table
+
+    table = Table(box=None, padding=(0, 2, 0, 0))
+    table.add_column("imperfection alone")
+    for heading in ("collisions", "left arena", "failed", "smallest gap"):
+        table.add_column(heading, justify="right")
+    for row in rows:
+        bad = row.collisions + row.outside + row.failed > 0
+        table.add_row(
+            f"[red]{row.effect}[/]" if bad else row.effect,
+            *(f"{hits} of {row.trials}" for hits in (row.collisions, row.outside, row.failed)),
+            f"{row.gap:.3f} m",
+        )
+    console.print(table)

@@ -1,0 +1,13 @@
+"""A module that came with Python 3.11."""
+from datetime import UTC, datetime  # <- newer-python
+
+import numpy as np
+from rps.robotarium import Robotarium
+
+r = Robotarium(number_of_robots=2, initial_conditions=np.array([[-0.5, 0.5], [0.0, 0.0], [0.0, 0.0]]))
+for _ in range(60):
+    r.get_poses()
+    r.set_velocities(np.arange(2), np.array([[0.05, 0.05], [0.0, 0.0]]))
+    r.step()
+r.debug()
+print(datetime.now(UTC))
