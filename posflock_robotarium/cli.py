@@ -5,6 +5,7 @@ import sys
 import typer
 
 from posflock_robotarium import __version__
+from posflock_robotarium.commands import report as _report
 from posflock_robotarium.errors import PosflockError
 
 app = typer.Typer(
@@ -34,6 +35,8 @@ def _posflock(
 
 
 # Each family of commands is registered here, in the order a researcher meets them.
+for _command in (_report.report, _report.compare, _report.replay, _report.convert):
+    app.command()(_command)
 
 
 def main() -> None:

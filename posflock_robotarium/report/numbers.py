@@ -18,6 +18,9 @@ Floats = NDArray[np.float64]
 INTERVENED = 1e-6
 """m/s by which the certificate must move a velocity to count as an intervention."""
 
+FEWEST_COUNTED = 0.005
+"""Share of robots and time that a mean γ must rest on, lest noise speak for a parked flock."""
+
 STALL_COMMAND = 0.02
 """Commanded speed in m/s above which a standing robot stalls."""
 
@@ -107,14 +110,16 @@ def _alignment(s: Situation) -> _Numbers:
         ("headings", "headings"),
         ("differences", "raw differences"),
     ):
-        gamma = values[f"gamma_{short}"]
+        gamma = _mean(values[f"gamma_{short}"][s.settled], _weights(r)[s.settled])
+        left_out = _mean(values[f"left_out_{short}"][s.settled], _weights(r)[s.settled])
         yield (
             f"gamma_{short}",
             Number(
                 f"γ from {words}",
-                _mean(gamma[s.settled], _weights(r)[s.settled]),
+                gamma if left_out <= 1.0 - FEWEST_COUNTED else float("nan"),
                 "",
-                f"Mean over time {since}, where defined.",
+                f"Mean over time {since}, where defined; undefined when less than "
+                f"{FEWEST_COUNTED:.1%} of robots and time can be counted.",
                 group,
             ),
         )
@@ -122,7 +127,7 @@ def _alignment(s: Situation) -> _Numbers:
             f"left_out_{short}",
             Number(
                 f"left out of γ from {words}",
-                _mean(values[f"left_out_{short}"][s.settled], _weights(r)[s.settled]),
+                left_out,
                 "share",
                 f"Mean share of robots that γ does not count {since}.",
                 group,

@@ -257,6 +257,11 @@ def _sure(v: Mapping[str, float]) -> Verdict:
         f"motion is under-read by {_bias(bias)}; raw differences read "
         f"{_g(v['gamma_differences'])}.{gaps}"
     )
+    if v["left_out_motion"] > 0.25:
+        answer = "γ from motion speaks for few robots."
+        return Verdict(
+            question, "caution", answer, f"It leaves out {_pc(v['left_out_motion'])}. {because}"
+        )
     if bias > 0.02:
         return Verdict(question, "caution", "γ from motion is noisy.", because)
     return Verdict(question, "good", "The estimate is sharp.", because)
