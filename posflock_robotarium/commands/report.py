@@ -62,7 +62,7 @@ def report(
     figures: Annotated[bool, typer.Option(help="Draw figures/*.pdf and *.png.")] = True,
     json: Json = False,
 ) -> None:
-    """Did the flock align, stay together and stay safe, and how sure are we?
+    """Did it align, stay together and safe, and how sure are we? A page, figures, numbers.
 
     Writes report.html (one file, works offline), figures/, metrics.csv, summary.json and the
     analysis itself. Several logs are several runs: they are overlaid and averaged.
@@ -76,8 +76,14 @@ def report(
     from posflock_robotarium.report.outputs import write_report
 
     analyses = _analyse(
-        logs, _options(layout, columns, dt, array, drop_damaged), radius, window, slowest, settle, join
-    )  # fmt: skip
+        logs,
+        _options(layout, columns, dt, array, drop_damaged),
+        radius,
+        window,
+        slowest,
+        settle,
+        join,
+    )
     written = write_report(analyses, out, latex=latex, figures=figures)
     if json:
         _print_json(analyses)

@@ -73,8 +73,10 @@ def _write_mat(recording: Recording, path: Path) -> None:
 
 
 def _write_csv(recording: Recording, path: Path) -> None:
-    """Write one row a sample: t, x1, y1, theta1, x2, …"""
-    names = [f"{state}{robot + 1}" for robot in range(recording.robots) for state in ("x", "y", "theta")]  # fmt: skip
+    """Write one row a sample: t, x1, y1, theta1, x2 and so on."""
+    names = [
+        f"{state}{robot + 1}" for robot in range(recording.robots) for state in ("x", "y", "theta")
+    ]
     flat = recording.poses.transpose(0, 2, 1).reshape(len(recording.t), -1)
     with path.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
@@ -100,7 +102,7 @@ def _write_mcap(recording: Recording, path: Path) -> None:
             "MCAP needs the extra: pip install 'posflock-robotarium[mcap]'"
         ) from error
     with path.open("wb") as file:
-        writer = Writer(file)
+        writer: Any = Writer(file)
         writer.start(profile="", library="posflock")
         channels = {
             topic: writer.register_channel(
@@ -151,7 +153,12 @@ def _scene(stamp: dict[str, int], poses: list[dict[str, dict[str, float]]]) -> d
     size = {"x": ROBOT_LENGTH, "y": ROBOT_WIDTH, "z": 0.06}
     blue = {"r": 0.0, "g": 0.447, "b": 0.698, "a": 1.0}
     white = {"r": 1.0, "g": 1.0, "b": 1.0, "a": 1.0}
-    arrow = {"shaft_length": 0.05, "shaft_diameter": 0.015, "head_length": 0.04, "head_diameter": 0.04}  # fmt: skip
+    arrow = {
+        "shaft_length": 0.05,
+        "shaft_diameter": 0.015,
+        "head_length": 0.04,
+        "head_diameter": 0.04,
+    }
     entities = [
         {
             "timestamp": stamp,
@@ -215,7 +222,12 @@ _ENTITY = {
                     "pose": _POSE,
                     **{
                         name: {"type": "number"}
-                        for name in ("shaft_length", "shaft_diameter", "head_length", "head_diameter")
+                        for name in (
+                            "shaft_length",
+                            "shaft_diameter",
+                            "head_length",
+                            "head_diameter",
+                        )
                     },
                     "color": _COLOUR,
                 },
@@ -233,9 +245,11 @@ _ENTITY = {
                 },
             },
         },
-        **dict.fromkeys(("spheres", "cylinders", "lines", "triangles", "texts", "models"), _ANYTHING),
+        **dict.fromkeys(
+            ("spheres", "cylinders", "lines", "triangles", "texts", "models"), _ANYTHING
+        ),
     },
-}  # fmt: skip
+}
 _CHANNELS: dict[str, tuple[str, dict[str, Any]]] = {
     "/poses": (
         "foxglove.PosesInFrame",

@@ -104,9 +104,15 @@ def distances(analysis: Analysis) -> Figure:
     limit = analysis.robot.collision_diameter
     axes.axhline(limit, color=GREY, linewidth=0.8)
     axes.text(
-        0.995, limit, f"collision, {limit:g} m", transform=axes.get_yaxis_transform(),
-        fontsize=6, color="#555555", ha="right", va="top",
-    )  # fmt: skip
+        0.995,
+        limit,
+        f"collision, {limit:g} m",
+        transform=axes.get_yaxis_transform(),
+        fontsize=6,
+        color="#555555",
+        ha="right",
+        va="top",
+    )
     low, high = axes.get_ylim()
     axes.set(xlabel="time (s)", ylabel="distance (m)", ylim=(min(0.0, low), 1.35 * high))
     axes.legend(loc="upper right", ncols=2)
@@ -121,9 +127,14 @@ def motion(analysis: Analysis) -> Figure:
     axes = figure.subplots()
     t, curves = analysis.recording.t, analysis.curves
     axes.fill_between(
-        t, curves["speed_slowest"], curves["speed_fastest"], color=BLUE, alpha=0.2, linewidth=0,
+        t,
+        curves["speed_slowest"],
+        curves["speed_fastest"],
+        color=BLUE,
+        alpha=0.2,
+        linewidth=0,
         label="slowest to fastest",
-    )  # fmt: skip
+    )
     _curve(axes, analysis, "speed", _STYLES[0])
     _curve(axes, analysis, "drift", (BLACK, (0, (4, 1.5))))
     axes.set(xlabel="time (s)", ylabel="speed (m/s)", ylim=(0, None))
@@ -135,7 +146,7 @@ def motion(analysis: Analysis) -> Figure:
 
 @in_style
 def runs(analyses: Sequence[Analysis]) -> Figure:
-    """Draw γ from motion and the closest pair of every run; mean and 95 % interval from three on."""
+    """Draw γ from motion and the closest pair of every run, their mean and 95 % interval."""
     figure = new_figure(7.2, 2.6)
     left, right = figure.subplots(1, 2)
     for axes, key, label in (
@@ -169,18 +180,27 @@ def _mean_band(axes: Axes, analyses: Sequence[Analysis], key: str) -> None:
     grid = np.linspace(0.0, shortest, 120)
     sampled = np.array(
         [
-            a.curves[key][np.searchsorted(a.recording.t - a.recording.t[0], grid).clip(max=len(a.recording.t) - 1)]
+            a.curves[key][
+                np.searchsorted(a.recording.t - a.recording.t[0], grid).clip(
+                    max=len(a.recording.t) - 1
+                )
+            ]
             for a in analyses
             if key in a.curves
         ]
-    )  # fmt: skip
+    )
     if len(sampled) < 3:
         return
     spreads = [spread_of(column) for column in sampled.T]
     axes.fill_between(
-        grid, [s.low for s in spreads], [s.high for s in spreads], color=BLUE, alpha=0.25,
-        linewidth=0, label="95 % of the mean",
-    )  # fmt: skip
+        grid,
+        [s.low for s in spreads],
+        [s.high for s in spreads],
+        color=BLUE,
+        alpha=0.25,
+        linewidth=0,
+        label="95 % of the mean",
+    )
     axes.plot(grid, [s.mean for s in spreads], color=BLUE, linewidth=1.4, label="mean over runs")
 
 

@@ -162,11 +162,26 @@ def latex_table(analyses: Sequence[Analysis], comparison: Comparison | None = No
 
 
 _LATEX = {
-    "\\": r"\textbackslash{}", "&": r"\&", "%": r"\,\%", "$": r"\$", "#": r"\#", "_": r"\_",
-    "{": r"\{", "}": r"\}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}",
-    "γ": r"$\gamma$", "≥": r"$\geq$", "−": r"$-$", "–": "--", "°": r"\textdegree{}",
-    "²": r"$^2$", "·": r"$\cdot$", "∞": r"$\infty$", "σ": r"$\sigma$",
-}  # fmt: skip
+    "\\": r"\textbackslash{}",
+    "&": r"\&",
+    "%": r"\,\%",
+    "$": r"\$",
+    "#": r"\#",
+    "_": r"\_",
+    "{": r"\{",
+    "}": r"\}",
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    "γ": r"$\gamma$",
+    "≥": r"$\geq$",
+    "−": r"$-$",
+    "–": "--",
+    "°": r"\textdegree{}",
+    "²": r"$^2$",
+    "·": r"$\cdot$",
+    "∞": r"$\infty$",
+    "σ": r"$\sigma$",
+}
 
 
 def _latex(text: str) -> str:

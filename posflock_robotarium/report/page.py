@@ -124,11 +124,12 @@ def _data(analyses: Sequence[Analysis]) -> dict[str, Any]:
         last = max(float(a.recording.t[-1] - a.recording.t[0]) for a in analyses)
         time = np.linspace(0.0, last, COMMON_SAMPLES)
         drawn = [_overlay(panel, analyses, time) for panel in shown]
-    gaps = analyses[0].recording.t[analyses[0].recording.gaps] if len(analyses) == 1 else []
+    first = analyses[0].recording
+    gaps = first.t[first.gaps].round(4).tolist() if len(analyses) == 1 else []
     return {
         "runs": runs,
         "time": _b64(np.asarray(time, dtype=np.float32)),
-        "gaps": np.asarray(gaps, dtype=float).round(4).tolist(),
+        "gaps": gaps,
         "panels": [panel for panel in drawn if panel["series"]],
     }
 

@@ -42,11 +42,9 @@ def comparison_table(comparison: Comparison) -> Iterator[str]:
         rows.append(cells)
     widths = [max(len(cells[k]) for cells in [heads, *rows]) for k in range(len(heads))]
     for cells in [heads, *rows]:
-        first, *rest = (
-            cell.ljust(width) if k == 0 else cell.rjust(width)
-            for k, (cell, width) in enumerate(zip(cells, widths, strict=True))
-        )
-        yield "  ".join([first, *rest]).rstrip()
+        padded = [cells[0].ljust(widths[0])]
+        padded += [cell.rjust(width) for cell, width in zip(cells[1:], widths[1:], strict=True)]
+        yield "  ".join(padded).rstrip()
     yield ""
     for outcome, count in comparison.outcomes.items():
         yield f"{count} of {len(comparison.analyses)} runs: {outcome}"

@@ -91,7 +91,7 @@ def known_flock(
     if robots < 4 or robots % 2:
         raise ParameterError(f"{robots} robots; expected an even number, at least 4")
     rng = np.random.default_rng(seed)
-    t = np.arange(round(duration / STEP)) * STEP
+    t: Floats = STEP * np.arange(round(duration / STEP), dtype=float)
     start = rng.uniform(-1.0, 1.0, (2, robots))
     radius = EVERYBODY
     if motion == "rotating":
@@ -115,11 +115,16 @@ def known_flock(
         headings = np.broadcast_to(angles, (len(t), robots))
         together = float(np.square(unit.sum(axis=1)).sum())
         gamma = (together - robots) / (robots * (robots - 1))
-    poses = np.concatenate([positions, headings[:, np.newaxis]], axis=1)
+    poses: Floats = np.concatenate([positions, headings[:, np.newaxis]], axis=1)
     poses[:, :2] += position_noise * rng.standard_normal(poses[:, :2].shape)
     poses[:, 2] += heading_noise * rng.standard_normal(poses[:, 2].shape)
     moving = float("nan") if motion == "stopped" else gamma
-    return KnownFlock(Recording(f"{motion} {speed:g}", t, poses), float(radius), gamma, moving)
+    return KnownFlock(
+        Recording(f"{motion} {speed:g}", t, poses),
+        float(radius),
+        gamma,
+        moving,
+    )
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from posflock_robotarium.report.readers import Recording
 from rps_compat.arena import GTERNAL, RobotModel
 
 if TYPE_CHECKING:
-    from PIL.Image import Image
+    from PIL.Image import Image as Picture
 
 Floats = NDArray[np.float64]
 Frame = NDArray[np.uint8]
@@ -110,7 +110,7 @@ def _frames(
     width, height = size
     left, right, bottom, top = robot.boundaries
     figure = Figure(figsize=(9.6, 9.6 * height / width), dpi=width / 9.6)
-    canvas = FigureCanvasAgg(figure)
+    canvas: Any = FigureCanvasAgg(figure)  # matplotlib leaves it untyped
     axes = figure.add_axes((0.01, 0.01, 0.98, 0.92))
     axes.set(xlim=(left - 0.05, right + 0.05), ylim=(bottom - 0.05, top + 0.05))
     axes.set_aspect("equal")
@@ -191,10 +191,36 @@ def _encode_mp4(
     total: int,
     progress: Callable[[int, int], None] | None,
 ) -> None:
-    command = [find_ffmpeg(), "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgba",
-               "-s", "{}x{}".format(*SIZE[".mp4"]), "-r", f"{rate:g}", "-i", "-", "-an", "-c:v", "libx264",
-               "-preset", "veryfast", "-crf", "23", "-pix_fmt", "yuv420p", "-movflags",
-               "+faststart", "-f", "mp4", str(path.resolve())]  # fmt: skip
+    command = [
+        find_ffmpeg(),
+        "-loglevel",
+        "error",
+        "-y",
+        "-f",
+        "rawvideo",
+        "-pix_fmt",
+        "rgba",
+        "-s",
+        "{}x{}".format(*SIZE[".mp4"]),
+        "-r",
+        f"{rate:g}",
+        "-i",
+        "-",
+        "-an",
+        "-c:v",
+        "libx264",
+        "-preset",
+        "veryfast",
+        "-crf",
+        "23",
+        "-pix_fmt",
+        "yuv420p",
+        "-movflags",
+        "+faststart",
+        "-f",
+        "mp4",
+        str(path.resolve()),
+    ]
     # ffmpeg's complaints go to a file: a pipe that nobody reads while frames go in could fill up.
     with tempfile.TemporaryFile() as complaints:
         encoder = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=complaints)
@@ -228,7 +254,7 @@ def _encode_gif(
 
     palette = _palette()
 
-    def images() -> Iterator[Image]:
+    def images() -> Iterator[Picture]:
         for done, frame in enumerate(frames, start=1):
             picture = Image.fromarray(frame).convert("RGB")
             if progress is not None:
@@ -238,13 +264,18 @@ def _encode_gif(
     stream = images()
     first = next(stream)
     first.save(
-        path, format="GIF", save_all=True, append_images=stream, duration=round(1000 / rate),
-        loop=0, optimize=False,
-    )  # fmt: skip
+        path,
+        format="GIF",
+        save_all=True,
+        append_images=stream,
+        duration=round(1000 / rate),
+        loop=0,
+        optimize=False,
+    )
 
 
-def _palette() -> Image:
-    """Return the few colours of the arena and what lies between them: one palette for all frames."""
+def _palette() -> Picture:
+    """Return the arena's few colours and what lies between them: one palette for all frames."""
     from PIL import Image
 
     def mixed(a: tuple[int, ...], b: tuple[int, ...]) -> Any:
@@ -253,7 +284,9 @@ def _palette() -> Image:
     blue = tuple(int(BLUE[k : k + 2], 16) for k in (1, 3, 5))
     grey = tuple(int(GREY[k : k + 2], 16) for k in (1, 3, 5))
     white, black = (255, 255, 255), (0, 0, 0)
-    colours = np.concatenate([mixed(white, black), mixed(white, blue), mixed(white, grey), mixed(blue, black)])  # fmt: skip
+    colours = np.concatenate(
+        [mixed(white, black), mixed(white, blue), mixed(white, grey), mixed(blue, black)]
+    )
     picture = Image.new("P", (1, 1))
     picture.putpalette(colours.astype(np.uint8).tobytes())
     return picture
