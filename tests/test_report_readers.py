@@ -144,7 +144,8 @@ def test_matlab_5_and_7_3_give_the_same(tmp_path):
 HEADERS = {
     "plain": "t,x1,y1,theta1,x2,y2,theta2,x3,y3,theta3,x4,y4,theta4",
     "underscores": "time,x_1,y_1,yaw_1,x_2,y_2,yaw_2,x_3,y_3,yaw_3,x_4,y_4,yaw_4",
-    "robot first": "Time (s)," + ",".join(f"robot{i}_{s}" for i in range(4) for s in ("x", "y", "heading")),  # fmt: skip
+    "robot first": "Time (s),"
+    + ",".join(f"robot{i}_{s}" for i in range(4) for s in ("x", "y", "heading")),  # fmt: skip
     "brackets": "timestamp," + ",".join(f"{s}[{i}]" for i in range(4) for s in ("x", "y", "theta")),
 }
 
@@ -219,7 +220,9 @@ def test_a_pose_log_cut_off_by_a_kill_is_read_up_to_there(tmp_path):
 
 def test_a_pose_log_says_how_it_ended(tmp_path):
     log_of(tmp_path / "run", 25).close("interrupted", "KeyboardInterrupt")
-    assert any("interrupted: KeyboardInterrupt" in note for note in read(tmp_path / "run.npy").notes)
+    assert any(
+        "interrupted: KeyboardInterrupt" in note for note in read(tmp_path / "run.npy").notes
+    )
     assert read(tmp_path / "run.json").robots == 4
 
 

@@ -159,6 +159,13 @@ def _alignment(s: Situation, add: _Add) -> None:
             "share",
             "Share of the whole run; samples where γ is undefined count as not aligned.",
         )
+        add(
+            f"steadiness_{short}",
+            f"time with γ ≥ {s.threshold:g} from {short}, settled",
+            _mean(aligned[s.settled].astype(float), _weights(r)[s.settled]),
+            "share",
+            f"The same {since}.",
+        )
     for short in ("motion", "headings"):
         add(
             f"polarisation_{short}",

@@ -104,7 +104,7 @@ def _aligned(v: Mapping[str, float], threshold: float, slowest: float) -> Verdic
     if motion >= threshold and headings >= threshold:
         if v["standing"] > SOME or v["left_out_motion"] > 0.25:
             return Verdict(question, "caution", "Those that moved did.", because, "partly aligned")
-        if v["share_aligned_motion"] < 0.75:
+        if v["steadiness_motion"] < 0.75:
             answer = "On average, not steadily."
             return Verdict(question, "caution", answer, because, "unsteadily aligned")
         return Verdict(question, "good", "Yes.", because, "aligned")
