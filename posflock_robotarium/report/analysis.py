@@ -146,7 +146,7 @@ class Analysis:
             Run, how it was read, estimators, options, numbers, statistics, events, verdicts.
         """
         recording = self.recording
-        return _plain(
+        summary: dict[str, Any] = _plain(
             {
                 "format": FORMAT,
                 "run": self.name,
@@ -164,7 +164,8 @@ class Analysis:
                 "verdicts": [dataclasses.asdict(verdict) for verdict in self.verdicts],
                 "parameters": dict(recording.parameters),
             }
-        )  # type: ignore[no-any-return]
+        )
+        return summary
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Save poses, curves and summary in one ``.npz`` that `load` reads back, bit for bit.

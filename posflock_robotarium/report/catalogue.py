@@ -243,7 +243,9 @@ def panels(collision: float) -> tuple[Panel, ...]:
             ("polarisation_motion", "polarisation_headings"),
             (0.0, 1.02),
         ),
-        Panel("speed", "Speed", "m/s", ("speed", "drift", "speed_slowest", "speed_fastest"), (0, None)),
+        Panel(
+            "speed", "Speed", "m/s", ("speed", "drift", "speed_slowest", "speed_fastest"), (0, None)
+        ),
         Panel(
             "distance",
             "Distances between robots",
@@ -252,10 +254,23 @@ def panels(collision: float) -> tuple[Panel, ...]:
             (0.0, None),
             ((collision, "collision"),),
         ),
-        Panel("walls", "Distance to the nearest wall", "m", ("wall_distance",), (None, None), ((0.0, "wall"),)),
+        Panel(
+            "walls",
+            "Distance to the nearest wall",
+            "m",
+            ("wall_distance",),
+            (None, None),
+            ((0.0, "wall"),),
+        ),
         Panel("cohesion", "Cohesion", "m", ("cohesive_radius", "spread"), (0.0, None)),
-        Panel("connectivity", "Connectivity", "", ("components", "algebraic_connectivity"), (0.0, None)),
+        Panel(
+            "connectivity",
+            "Connectivity",
+            "",
+            ("components", "algebraic_connectivity"),
+            (0.0, None),
+        ),
         Panel("heading", "Heading of the flock", "rad", ("heading",)),
         Panel("certificate", "Certificate", "m/s", ("moved",), (0.0, None)),
         Panel("wheels", "Fastest wheel", "rad/s", ("fastest_wheel",), (0.0, None)),
-    )  # fmt: skip
+    )

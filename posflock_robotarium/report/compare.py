@@ -9,7 +9,9 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,6 +88,16 @@ class Comparison:
         """The different labels, in order of appearance."""
         return tuple(dict.fromkeys(self.labels))
 
+    def summary(self) -> dict[str, Any]:
+        """Return labels, outcomes and every row, ready for JSON (NaN becomes null)."""
+        return {
+            "runs": [analysis.name for analysis in self.analyses],
+            "labels": list(self.labels),
+            "outcomes": dict(self.outcomes),
+            "interval": f"95 % percentile bootstrap over runs, {RESAMPLES} resamples",
+            "numbers": {row.key: _without_nan(asdict(row)) for row in self.rows},
+        }
+
 
 def compare(
     analyses: Sequence[Analysis], labels: Sequence[str] | None = None, *, seed: int = 0
@@ -113,7 +125,12 @@ def compare(
     """
     if len(analyses) < 2:
         raise ParameterError(f"{len(analyses)} run; a comparison needs at least 2")
-    names = [a.origin for a in analyses] if labels is None else list(labels)
+    if labels is None:
+        names = [analysis.origin for analysis in analyses]
+        if set(names) == {"unknown"}:
+            names = ["all runs"] * len(analyses)
+    else:
+        names = list(labels)
     if len(names) != len(analyses):
         raise ParameterError(f"{len(names)} labels for {len(analyses)} runs; give one for each")
     keys = list(dict.fromkeys(key for analysis in analyses for key in analysis.numbers))
@@ -140,6 +157,37 @@ def compare(
         )
     outcomes = Counter(headline(analysis.verdicts) for analysis in analyses)
     return Comparison(tuple(analyses), tuple(names), tuple(rows), dict(outcomes.most_common()))
+
+
+def _without_nan(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {key: _without_nan(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_without_nan(item) for item in value]
+    return None if isinstance(value, float) and not np.isfinite(value) else value
+
+
+def distinctly_named(analyses: Sequence[Analysis]) -> list[Analysis]:
+    """Return the runs with names that differ: those that share one get their folder's before it.
+
+    Parameters
+    ----------
+    analyses : sequence of Analysis
+        Runs whose names may coincide, as those of one experiment repeated do.
+    """
+    count = Counter(analysis.name for analysis in analyses)
+    used: Counter[str] = Counter()
+    named = []
+    for analysis in analyses:
+        name = analysis.name
+        if count[name] > 1:
+            source = analysis.recording.sources[0] if analysis.recording.sources else ""
+            folder = Path(source).parent.name
+            name = f"{folder}/{name}" if folder else name
+            used[name] += 1
+            name = name if used[name] == 1 else f"{name} ({used[name]})"
+        named.append(replace(analysis, recording=replace(analysis.recording, name=name)))
+    return named
 
 
 def spread_of(values: Floats, *, seed: int = 0) -> Spread:

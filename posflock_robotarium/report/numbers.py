@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,9 @@ Floats = NDArray[np.float64]
 
 INTERVENED = 1e-6
 """m/s by which the certificate must move a velocity to count as an intervention."""
+
+FEWEST_COUNTED = 0.005
+"""Share of robots and time that a mean γ must rest on, lest noise speak for a parked flock."""
 
 STALL_COMMAND = 0.02
 """Commanded speed in m/s above which a standing robot stalls."""
@@ -52,6 +56,12 @@ class Situation:
     window: float
 
 
+class _Add(Protocol):
+    """Takes a number into the table of its group."""
+
+    def __call__(self, key: str, label: str, value: float, unit: str, definition: str) -> None: ...
+
+
 def numbers_of(s: Situation) -> dict[str, Number]:
     """Return every number that the recording has data for, in the order of the summary table.
 
@@ -66,447 +76,363 @@ def numbers_of(s: Situation) -> dict[str, Number]:
         By key; NaN where a number is undefined (γ of a flock that stands, say).
     """
     found: dict[str, Number] = {}
-    for part in (_run, _alignment, _motion, _cohesion, _safety, _certificate, _confidence):
-        for key, number in part(s):
-            found[key] = number
+    for group, part in _GROUPS.items():
+
+        def add(
+            key: str, label: str, value: float, unit: str, definition: str, group: str = group
+        ) -> None:
+            found[key] = Number(label, value, unit, definition, group)
+
+        part(s, add)
     return found
 
 
-_Numbers = Iterator[tuple[str, Number]]
-
-
-def _run(s: Situation) -> _Numbers:
-    group, r = "Run", s.recording
+def _run(s: Situation, add: _Add) -> None:
+    r = s.recording
     gaps = r.gaps
     lost = float((r.t[gaps] - r.t[gaps - 1]).sum()) if gaps.size else 0.0
-    yield "robots", Number("robots", r.robots, "", "Robots in the log.", group)
-    yield (
-        "duration",
-        Number("duration", float(r.t[-1] - r.t[0]), "s", "From first to last pose.", group),
-    )
-    yield "samples", Number("samples", len(r.t), "", "Poses over time of each robot.", group)
-    yield "step", Number("time step", r.step, "s", "Median time between samples.", group)
-    yield (
+    add("robots", "robots", r.robots, "", "Robots in the log.")
+    add("duration", "duration", float(r.t[-1] - r.t[0]), "s", "From first to last pose.")
+    add("samples", "samples", len(r.t), "", "Poses over time of each robot.")
+    add("step", "time step", r.step, "s", "Median time between samples.")
+    add(
         "gaps",
-        Number(
-            "gaps",
-            len(gaps),
-            "",
-            "Places where more than three steps are missing; no estimate looks across one.",
-            group,
-        ),
+        "gaps",
+        len(gaps),
+        "",
+        "Places where more than three steps are missing; no estimate looks across one.",
     )
-    yield "gap_time", Number("time in gaps", lost, "s", "Seconds inside gaps.", group)
+    add("gap_time", "time in gaps", lost, "s", "Seconds inside gaps.")
 
 
-def _alignment(s: Situation) -> _Numbers:
-    group, r, values = "Alignment", s.recording, s.curves.values
+def _alignment(s: Situation, add: _Add) -> None:
+    r, values = s.recording, s.curves.values
     since = _since(s)
     for short, words in (
         ("motion", "motion (Savitzky-Golay)"),
         ("headings", "headings"),
         ("differences", "raw differences"),
     ):
-        gamma = values[f"gamma_{short}"]
-        yield (
+        gamma = _mean(values[f"gamma_{short}"][s.settled], _weights(r)[s.settled])
+        left_out = _mean(values[f"left_out_{short}"][s.settled], _weights(r)[s.settled])
+        add(
             f"gamma_{short}",
-            Number(
-                f"γ from {words}",
-                _mean(gamma[s.settled], _weights(r)[s.settled]),
-                "",
-                f"Mean over time {since}, where defined.",
-                group,
-            ),
+            f"γ from {words}",
+            gamma if left_out <= 1.0 - FEWEST_COUNTED else float("nan"),
+            "",
+            f"Mean over time {since}, where defined; undefined when less than "
+            f"{FEWEST_COUNTED:.1%} of robots and time can be counted.",
         )
-        yield (
+        add(
             f"left_out_{short}",
-            Number(
-                f"left out of γ from {words}",
-                _mean(values[f"left_out_{short}"][s.settled], _weights(r)[s.settled]),
-                "share",
-                f"Mean share of robots that γ does not count {since}.",
-                group,
-            ),
+            f"left out of γ from {words}",
+            left_out,
+            "share",
+            f"Mean share of robots that γ does not count {since}.",
         )
     for short in ("motion", "headings"):
-        gamma = values[f"gamma_{short}"]
-        aligned = np.nan_to_num(gamma, nan=-2.0) >= s.threshold
+        aligned = np.nan_to_num(values[f"gamma_{short}"], nan=-2.0) >= s.threshold
         reached = np.flatnonzero(aligned)
-        yield (
+        add(
             f"time_to_alignment_{short}",
-            Number(
-                f"time to γ ≥ {s.threshold:g} from {short}",
-                float(r.t[reached[0]] - r.t[0]) if reached.size else float("nan"),
-                "s",
-                "From the first pose to the first sample at or above the threshold; "
-                "undefined when it is never reached.",
-                group,
-            ),
+            f"time to γ ≥ {s.threshold:g} from {short}",
+            float(r.t[reached[0]] - r.t[0]) if reached.size else float("nan"),
+            "s",
+            "From the first pose to the first sample at or above the threshold; "
+            "undefined when it is never reached.",
         )
         # NaN where the last sample itself is below: alignment that ended is not for good.
         below = np.flatnonzero(~aligned)
         lasting = int(below[-1]) + 1 if below.size else 0
-        yield (
+        add(
             f"time_aligned_for_good_{short}",
-            Number(
-                f"time from which γ ≥ {s.threshold:g} for good, from {short}",
-                float(r.t[lasting] - r.t[0]) if lasting < len(r.t) else float("nan"),
-                "s",
-                "From the first pose to the last time γ rises to the threshold and stays there; "
-                "undefined when the run ends below it.",
-                group,
-            ),
+            f"time from which γ ≥ {s.threshold:g} for good, from {short}",
+            float(r.t[lasting] - r.t[0]) if lasting < len(r.t) else float("nan"),
+            "s",
+            "From the first pose to the last time γ rises to the threshold and stays there; "
+            "undefined when the run ends below it.",
         )
-        yield (
+        add(
             f"share_aligned_{short}",
-            Number(
-                f"time with γ ≥ {s.threshold:g} from {short}",
-                _mean(aligned.astype(float), _weights(r)),
-                "share",
-                "Share of the whole run; samples where γ is undefined count as not aligned.",
-                group,
-            ),
+            f"time with γ ≥ {s.threshold:g} from {short}",
+            _mean(aligned.astype(float), _weights(r)),
+            "share",
+            "Share of the whole run; samples where γ is undefined count as not aligned.",
+        )
+        add(
+            f"steadiness_{short}",
+            f"time with γ ≥ {s.threshold:g} from {short}, settled",
+            _mean(aligned[s.settled].astype(float), _weights(r)[s.settled]),
+            "share",
+            f"The same {since}.",
         )
     for short in ("motion", "headings"):
-        yield (
+        add(
             f"polarisation_{short}",
-            Number(
-                f"polarisation, {short}",
-                _mean(values[f"polarisation_{short}"][s.settled], _weights(r)[s.settled]),
-                "",
-                f"Mean over time {since}, where defined.",
-                group,
-            ),
+            f"polarisation, {short}",
+            _mean(values[f"polarisation_{short}"][s.settled], _weights(r)[s.settled]),
+            "",
+            f"Mean over time {since}, where defined.",
         )
     heading = values["heading"][s.settled]
-    yield (
+    add(
         "heading_spread",
-        Number(
-            "spread of the flock's heading",
-            _circular_deviation(heading),
-            "rad",
-            f"Circular standard deviation over time of the mean heading {since}.",
-            group,
-        ),
+        "spread of the flock's heading",
+        _circular_deviation(heading),
+        "rad",
+        f"Circular standard deviation over time of the mean heading {since}.",
     )
 
 
-def _motion(s: Situation) -> _Numbers:
-    group, r, values = "Motion", s.recording, s.curves.values
+def _motion(s: Situation, add: _Add) -> None:
+    r, values = s.recording, s.curves.values
     since, weights = _since(s), _weights(r)
     speeds = s.curves.speeds
-    yield (
+    add(
         "speed",
-        Number(
-            "mean speed",
-            _mean(values["speed"][s.settled], weights[s.settled]),
-            "m/s",
-            f"Mean over robots and time {since}.",
-            group,
-        ),
+        "mean speed",
+        _mean(values["speed"][s.settled], weights[s.settled]),
+        "m/s",
+        f"Mean over robots and time {since}.",
     )
-    yield (
+    add(
         "drift",
-        Number(
-            "speed of the centroid",
-            _mean(values["drift"][s.settled], weights[s.settled]),
-            "m/s",
-            f"Mean over time {since}.",
-            group,
-        ),
+        "speed of the centroid",
+        _mean(values["drift"][s.settled], weights[s.settled]),
+        "m/s",
+        f"Mean over time {since}.",
     )
     standing = (speeds <= s.slowest).mean(axis=1)
-    yield (
+    add(
         "standing",
-        Number(
-            "standing robots",
-            _mean(standing[s.settled], weights[s.settled]),
-            "share",
-            f"Share of robots and time {since} at no more than {s.slowest:g} m/s.",
-            group,
-        ),
+        "standing robots",
+        _mean(standing[s.settled], weights[s.settled]),
+        "share",
+        f"Share of robots and time {since} at no more than {s.slowest:g} m/s.",
     )
     final = r.t >= r.t[-1] - LAST_SECONDS
-    yield (
+    add(
         "standing_end",
-        Number(
-            "standing robots at the end",
-            _mean(standing[final], weights[final]),
-            "share",
-            f"The same over the last {LAST_SECONDS:g} s.",
-            group,
-        ),
+        "standing robots at the end",
+        _mean(standing[final], weights[final]),
+        "share",
+        f"The same over the last {LAST_SECONDS:g} s.",
     )
     centroid = r.poses[:, :2].mean(axis=2)
-    yield (
+    add(
         "centroid_displacement",
-        Number(
-            "displacement of the centroid",
-            float(np.hypot(*(centroid[-1] - centroid[0]))),
-            "m",
-            "Straight line from the first to the last position of the flock's centroid.",
-            group,
-        ),
+        "displacement of the centroid",
+        float(np.hypot(*(centroid[-1] - centroid[0]))),
+        "m",
+        "Straight line from the first to the last position of the flock's centroid.",
     )
     if r.command is not None:
         count, seconds = _stalls(r, speeds, s.slowest)
-        yield (
+        add(
             "stalls",
-            Number(
-                "stalls",
-                count,
-                "",
-                f"Times a robot stood for over {STALL_SECONDS:g} s though commanded to drive at "
-                f"{STALL_COMMAND:g} m/s or more.",
-                group,
-            ),
+            "stalls",
+            count,
+            "",
+            f"Times a robot stood for over {STALL_SECONDS:g} s though commanded to drive at "
+            f"{STALL_COMMAND:g} m/s or more.",
         )
-        yield "stall_time", Number("time stalled", seconds, "s", "Sum over robots.", group)
+        add("stall_time", "time stalled", seconds, "s", "Sum over robots.")
         excess = np.maximum(values["fastest_wheel"] - s.robot.max_wheel_velocity, 0.0)
         # What rounding alone puts over the limit is no command error.
         excess[excess <= 1e-9 * s.robot.max_wheel_velocity] = 0.0
-        yield (
+        add(
             "wheel_excess",
-            Number(
-                "largest excess over the wheel limit",
-                float(excess.max()),
-                "rad/s",
-                f"How far a command asks for more than {s.robot.max_wheel_velocity:g} rad/s; "
-                f"axle {s.robot.base_length:g} m.",
-                group,
-            ),
+            "largest excess over the wheel limit",
+            float(excess.max()),
+            "rad/s",
+            f"How far a command asks for more than {s.robot.max_wheel_velocity:g} rad/s; "
+            f"axle {s.robot.base_length:g} m.",
         )
-        yield (
+        add(
             "wheel_excess_steps",
-            Number(
-                "steps over the wheel limit",
-                int((excess > 0).sum()),
-                "",
-                "Samples with at least one wheel asked for too much.",
-                group,
-            ),
+            "steps over the wheel limit",
+            int((excess > 0).sum()),
+            "",
+            "Samples with at least one wheel asked for too much.",
         )
 
 
-def _cohesion(s: Situation) -> _Numbers:
-    group, values, since = "Cohesion", s.curves.values, _since(s)
+def _cohesion(s: Situation, add: _Add) -> None:
+    values, since = s.curves.values, _since(s)
     weights = _weights(s.recording)
     radius = values["cohesive_radius"][s.settled]
-    yield (
+    add(
         "cohesive_radius",
-        Number("cohesive radius", _mean(radius, weights[s.settled]), "m", f"Mean {since}.", group),
+        "cohesive radius",
+        _mean(radius, weights[s.settled]),
+        "m",
+        f"Mean {since}.",
     )
     ratio = float(radius.max() / radius.min()) if radius.min() > 0 else float("nan")
-    yield (
+    add(
         "cohesive_radius_ratio",
-        Number("cohesive radius, largest over smallest", ratio, "", f"Over time {since}.", group),
+        "cohesive radius, largest over smallest",
+        ratio,
+        "",
+        f"Over time {since}.",
     )
-    yield (
+    add(
         "spread",
-        Number("spread", _mean(values["spread"][s.settled], weights[s.settled]), "m",
-               f"Mean {since}.", group),
-    )  # fmt: skip
+        "spread",
+        _mean(values["spread"][s.settled], weights[s.settled]),
+        "m",
+        f"Mean {since}.",
+    )
     if s.recording.robots > 1:
         components = values["components"]
-        yield (
-            "components",
-            Number("most groups at once", float(components.max()), "", "Whole run.", group),
-        )
-        yield (
+        add("components", "most groups at once", float(components.max()), "", "Whole run.")
+        add(
             "connected",
-            Number(
-                "time in one group",
-                _mean((components == 1).astype(float), weights),
-                "share",
-                "Share of the whole run in which every robot is connected to every other.",
-                group,
-            ),
+            "time in one group",
+            _mean((components == 1).astype(float), weights),
+            "share",
+            "Share of the whole run in which every robot is connected to every other.",
         )
-        yield (
+        add(
             "algebraic_connectivity",
-            Number(
-                "smallest algebraic connectivity",
-                float(values["algebraic_connectivity"].min()),
-                "",
-                "Whole run.",
-                group,
-            ),
+            "smallest algebraic connectivity",
+            float(values["algebraic_connectivity"].min()),
+            "",
+            "Whole run.",
         )
 
 
-def _safety(s: Situation) -> _Numbers:
-    group, values, violations = "Safety", s.curves.values, s.curves.violations
+def _safety(s: Situation, add: _Add) -> None:
+    values, violations = s.curves.values, s.curves.violations
     kinds = [event.kind for event in violations.events]
     if s.recording.robots > 1:
-        yield (
+        add(
             "nearest_neighbour",
-            Number(
-                "nearest neighbour",
-                _mean(values["nearest_neighbour"][s.settled], _weights(s.recording)[s.settled]),
-                "m",
-                f"Mean over robots and time {_since(s)}.",
-                group,
-            ),
-        )
-        yield (
-            "smallest_distance",
-            Number(
-                "smallest distance of two robots",
-                float(values["smallest_distance"].min()),
-                "m",
-                "Centre to centre, whole run.",
-                group,
-            ),
-        )
-        yield (
-            "smallest_collision_distance",
-            Number(
-                "smallest distance of collision points",
-                float(values["smallest_collision_distance"].min()),
-                "m",
-                f"Points {s.robot.collision_offset:g} m ahead of the centres, whole run; the "
-                f"testbed calls less than {s.robot.collision_diameter:g} m a collision.",
-                group,
-            ),
-        )
-        yield (
-            "collisions",
-            Number("collisions", kinds.count("collision"), "",
-                   "Times a pair came too close by the testbed's own test, each counted once.",
-                   group),
-        )  # fmt: skip
-        yield (
-            "collision_steps",
-            Number("pairs too close, summed over steps", violations.close_pairs, "",
-                   "As the testbed counts.", group),
-        )  # fmt: skip
-    yield (
-        "smallest_wall_distance",
-        Number(
-            "smallest distance to a wall",
-            float(values["wall_distance"].min()),
+            "nearest neighbour",
+            _mean(values["nearest_neighbour"][s.settled], _weights(s.recording)[s.settled]),
             "m",
-            "Of a robot's centre, whole run; negative outside.",
-            group,
-        ),
+            f"Mean over robots and time {_since(s)}.",
+        )
+        add(
+            "smallest_distance",
+            "smallest distance of two robots",
+            float(values["smallest_distance"].min()),
+            "m",
+            "Centre to centre, whole run.",
+        )
+        add(
+            "smallest_collision_distance",
+            "smallest distance of collision points",
+            float(values["smallest_collision_distance"].min()),
+            "m",
+            f"Points {s.robot.collision_offset:g} m ahead of the centres, whole run; the "
+            f"testbed calls less than {s.robot.collision_diameter:g} m a collision.",
+        )
+        add(
+            "collisions",
+            "collisions",
+            kinds.count("collision"),
+            "",
+            "Times a pair came too close by the testbed's own test, each counted once.",
+        )
+        add(
+            "collision_steps",
+            "pairs too close, summed over steps",
+            violations.close_pairs,
+            "",
+            "As the testbed counts.",
+        )
+    add(
+        "smallest_wall_distance",
+        "smallest distance to a wall",
+        float(values["wall_distance"].min()),
+        "m",
+        "Of a robot's centre, whole run; negative outside.",
     )
-    yield (
+    add(
         "boundary_events",
-        Number("boundary crossings", kinds.count("boundary"), "",
-               "Times a robot's centre left the arena.", group),
-    )  # fmt: skip
-    yield (
-        "boundary_steps",
-        Number("steps with a robot outside", violations.outside_steps, "", "Samples.", group),
+        "boundary crossings",
+        kinds.count("boundary"),
+        "",
+        "Times a robot's centre left the arena.",
     )
+    add("boundary_steps", "steps with a robot outside", violations.outside_steps, "", "Samples.")
 
 
-def _certificate(s: Situation) -> _Numbers:
+def _certificate(s: Situation, add: _Add) -> None:
     r = s.recording
     if r.moved is None:
         return
-    group = "Certificate"
     intervened = r.moved > INTERVENED
-    yield (
+    add(
         "interventions",
-        Number(
-            "steps in which the certificate intervened",
-            float(intervened.mean()),
-            "share",
-            f"Steps in which it moved a velocity by more than {INTERVENED:g} m/s.",
-            group,
-        ),
+        "steps in which the certificate intervened",
+        float(intervened.mean()),
+        "share",
+        f"Steps in which it moved a velocity by more than {INTERVENED:g} m/s.",
     )
-    yield (
+    add(
         "intervention_mean",
-        Number(
-            "mean intervention",
-            float(r.moved[intervened].mean()) if intervened.any() else 0.0,
-            "m/s",
-            "Mean over those steps of the largest change of a robot's velocity.",
-            group,
-        ),
+        "mean intervention",
+        float(r.moved[intervened].mean()) if intervened.any() else 0.0,
+        "m/s",
+        "Mean over those steps of the largest change of a robot's velocity.",
     )
-    yield (
-        "intervention_largest",
-        Number("largest intervention", float(r.moved.max()), "m/s", "Whole run.", group),
-    )
+    add("intervention_largest", "largest intervention", float(r.moved.max()), "m/s", "Whole run.")
     if "smallest_h" in s.curves.values:
-        yield (
+        add(
             "smallest_h",
-            Number(
-                "smallest barrier value",
-                float(np.nanmin(s.curves.values["smallest_h"])),
-                "m²",
-                "Whole run; negative where a safe set was left.",
-                group,
-            ),
+            "smallest barrier value",
+            float(np.nanmin(s.curves.values["smallest_h"])),
+            "m²",
+            "Whole run; negative where a safe set was left.",
         )
     if r.status is not None:
         unsolved = int(np.isin(r.status, ("relaxed", "failed")).sum())
-        yield (
+        add(
             "unsolved",
-            Number(
-                "steps without an exact solution",
-                unsolved,
-                "",
-                "Steps in which the certificate was relaxed or failed.",
-                group,
-            ),
+            "steps without an exact solution",
+            unsolved,
+            "",
+            "Steps in which the certificate was relaxed or failed.",
         )
 
 
-def _confidence(s: Situation) -> _Numbers:
-    group = "Confidence"
+def _confidence(s: Situation, add: _Add) -> None:
     moving = s.curves.speeds[s.settled]
     moving = moving[np.isfinite(moving) & (moving > s.slowest)]
     speed = float(np.median(moving)) if moving.size else 0.0
     noise = tracking_noise(s.recording, speed, s.window)
-    yield (
+    add(
         "noise_position",
-        Number(
-            "tracking noise, position",
-            noise.position,
-            "m",
-            "Standard deviation of each coordinate around local quadratics, measured in this log.",
-            group,
-        ),
+        "tracking noise, position",
+        noise.position,
+        "m",
+        "Standard deviation of each coordinate around local quadratics, measured in this log.",
     )
-    yield (
-        "noise_heading",
-        Number("tracking noise, heading", noise.heading, "rad", "The same for headings.", group),
-    )
-    yield (
+    add("noise_heading", "tracking noise, heading", noise.heading, "rad", "The same for headings.")
+    add(
         "noise_course",
-        Number(
-            "error of the direction of motion",
-            noise.course,
-            "rad",
-            "Standard deviation that this noise gives the Savitzky-Golay direction of a robot at "
-            "the median speed of those that move.",
-            group,
-        ),
+        "error of the direction of motion",
+        noise.course,
+        "rad",
+        "Standard deviation that this noise gives the Savitzky-Golay direction of a robot at "
+        "the median speed of those that move.",
     )
-    yield (
+    add(
         "gamma_bias",
-        Number(
-            "γ from motion is under-read by about",
-            expected_bias(noise.course),
-            "",
-            "1 - exp(-σ²) with that error σ: what perfectly parallel robots would lose.",
-            group,
-        ),
+        "γ from motion is under-read by about",
+        expected_bias(noise.course),
+        "",
+        "1 - exp(-σ²) with that error σ: what perfectly parallel robots would lose.",
     )
-    yield (
+    add(
         "heading_offset",
-        Number(
-            "heading against direction of motion",
-            _heading_offset(s),
-            "rad",
-            "Median over robots and time of the angle between heading and line of motion; "
-            "large when the headings are not in radians or belong to other robots.",
-            group,
-        ),
+        "heading against direction of motion",
+        _heading_offset(s),
+        "rad",
+        "Median over robots and time of the angle between heading and line of motion; "
+        "large when the headings are not in radians or belong to other robots.",
     )
 
 
@@ -576,3 +502,14 @@ def _heading_offset(s: Situation) -> float:
     across = -np.sin(middle) * step[:, 0] + np.cos(middle) * step[:, 1]
     along = np.cos(middle) * step[:, 0] + np.sin(middle) * step[:, 1]
     return float(np.median(np.arctan2(np.abs(across), np.abs(along))[moving]))
+
+
+_GROUPS: dict[str, Callable[[Situation, _Add], None]] = {
+    "Run": _run,
+    "Alignment": _alignment,
+    "Motion": _motion,
+    "Cohesion": _cohesion,
+    "Safety": _safety,
+    "Certificate": _certificate,
+    "Confidence": _confidence,
+}

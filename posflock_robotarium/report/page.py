@@ -39,13 +39,15 @@ COMMON_SAMPLES = 1500
 EVENTS_SHOWN = 200
 
 
-def render(analyses: Sequence[Analysis]) -> str:
+def render(analyses: Sequence[Analysis], comparison: Comparison | None = None) -> str:
     """Return the page of one run, or of several overlaid.
 
     Parameters
     ----------
     analyses : sequence of Analysis
         At least one.
+    comparison : Comparison, optional
+        Of these runs, when they are several and labels have been given.
 
     Returns
     -------
@@ -69,7 +71,8 @@ def render(analyses: Sequence[Analysis]) -> str:
         lstrip_blocks=True,
     )
     environment.filters["number"] = number_text
-    comparison = compare(analyses) if len(analyses) > 1 else None
+    if comparison is None and len(analyses) > 1:
+        comparison = compare(analyses)
     scripts = [_asset("uPlot.iife.min.js"), _asset("report.js")]
     title = " · ".join(analysis.name for analysis in analyses[:4])
     if len(analyses) > 4:
@@ -92,7 +95,9 @@ def render(analyses: Sequence[Analysis]) -> str:
     )
 
 
-def write_page(analyses: Sequence[Analysis], path: Path) -> Path:
+def write_page(
+    analyses: Sequence[Analysis], path: Path, comparison: Comparison | None = None
+) -> Path:
     """Write the page.
 
     Raises
@@ -101,7 +106,7 @@ def write_page(analyses: Sequence[Analysis], path: Path) -> Path:
         When the file cannot be written.
     """
     try:
-        path.write_text(render(analyses), encoding="utf-8")
+        path.write_text(render(analyses, comparison), encoding="utf-8")
     except OSError as error:
         raise OutputError(f"{path}: cannot be written ({error.strerror})") from error
     return path
@@ -119,11 +124,12 @@ def _data(analyses: Sequence[Analysis]) -> dict[str, Any]:
         last = max(float(a.recording.t[-1] - a.recording.t[0]) for a in analyses)
         time = np.linspace(0.0, last, COMMON_SAMPLES)
         drawn = [_overlay(panel, analyses, time) for panel in shown]
-    gaps = analyses[0].recording.t[analyses[0].recording.gaps] if len(analyses) == 1 else []
+    first = analyses[0].recording
+    gaps = first.t[first.gaps].round(4).tolist() if len(analyses) == 1 else []
     return {
         "runs": runs,
         "time": _b64(np.asarray(time, dtype=np.float32)),
-        "gaps": np.asarray(gaps, dtype=float).round(4).tolist(),
+        "gaps": gaps,
         "panels": [panel for panel in drawn if panel["series"]],
     }
 

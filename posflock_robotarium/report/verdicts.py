@@ -1,4 +1,4 @@
-"""The run in sentences: did it align, stay together and stay safe, and how sure are we?
+"""The run in sentences: whether it aligned, stayed together and safe, and how sure that is.
 
 A verdict is judged by motion and never by headings alone: a flock that has parked at a wall has
 parallel headings, a γ from headings near one, and does not flock.
@@ -104,7 +104,7 @@ def _aligned(v: Mapping[str, float], threshold: float, slowest: float) -> Verdic
     if motion >= threshold and headings >= threshold:
         if v["standing"] > SOME or v["left_out_motion"] > 0.25:
             return Verdict(question, "caution", "Those that moved did.", because, "partly aligned")
-        if v["share_aligned_motion"] < 0.75:
+        if v["steadiness_motion"] < 0.75:
             answer = "On average, not steadily."
             return Verdict(question, "caution", answer, because, "unsteadily aligned")
         return Verdict(question, "good", "Yes.", because, "aligned")
@@ -181,8 +181,10 @@ def _together(v: Mapping[str, float]) -> Verdict:
 
 def _safe(v: Mapping[str, float]) -> Verdict:
     question = "Was it safe?"
-    counts = ((int(v.get("collisions", 0)), "collision"),
-              (int(v["boundary_events"]), "boundary crossing"))  # fmt: skip
+    counts = (
+        (int(v.get("collisions", 0)), "collision"),
+        (int(v["boundary_events"]), "boundary crossing"),
+    )
     nearest = v["smallest_wall_distance"]
     because = (
         f"Centres came no nearer to a wall than {nearest:.3f} m."
@@ -204,9 +206,11 @@ def _limits(v: Mapping[str, float]) -> Iterator[Verdict]:
     question = "Within the robots' limits?"
     if "wheel_excess" not in v:
         yield Verdict(
-            question, "unknown", "Unknown: no commands in the log.",
+            question,
+            "unknown",
+            "Unknown: no commands in the log.",
             "Wheel limits, stalls and interventions cannot be judged from poses.",
-        )  # fmt: skip
+        )
         return
     faults = []
     if v["wheel_excess"] > 0:
@@ -226,8 +230,12 @@ def _limits(v: Mapping[str, float]) -> Iterator[Verdict]:
     )
     if faults:
         text = "; ".join(faults)
-        yield Verdict(question, "bad" if v["wheel_excess"] > 0 else "caution", "Not throughout.",
-                      f"{text[0].upper()}{text[1:]}. {helped}".strip())  # fmt: skip
+        yield Verdict(
+            question,
+            "bad" if v["wheel_excess"] > 0 else "caution",
+            "Not throughout.",
+            f"{text[0].upper()}{text[1:]}. {helped}".strip(),
+        )
     else:
         yield Verdict(question, "good", "Yes.", f"No wheel over its limit, no stall. {helped}")
 
@@ -250,13 +258,22 @@ def _sure(v: Mapping[str, float]) -> Verdict:
         return Verdict(question, "unknown", "Too short to measure the noise.", gaps.strip())
     tracked = f"Tracking noise, measured in this log, is {_length(noise)}"
     if math.isnan(course):
-        return Verdict(question, "caution", "Directions of motion are undefined.",
-                       f"{tracked}; nothing moves.{gaps}")  # fmt: skip
+        return Verdict(
+            question,
+            "caution",
+            "Directions of motion are undefined.",
+            f"{tracked}; nothing moves.{gaps}",
+        )
     because = (
         f"{tracked}, so a direction of motion is sure to {math.degrees(course):.2g}° and γ from "
         f"motion is under-read by {_bias(bias)}; raw differences read "
         f"{_g(v['gamma_differences'])}.{gaps}"
     )
+    if v["left_out_motion"] > 0.25:
+        answer = "γ from motion speaks for few robots."
+        return Verdict(
+            question, "caution", answer, f"It leaves out {_pc(v['left_out_motion'])}. {because}"
+        )
     if bias > 0.02:
         return Verdict(question, "caution", "γ from motion is noisy.", because)
     return Verdict(question, "good", "The estimate is sharp.", because)
@@ -292,9 +309,11 @@ def _g(gamma: float) -> str:
 def _pc(share: float) -> str:
     percent = 100.0 * share
     if 0 < percent < 1 or 99 < percent < 100:
-        return f"{percent:.1f} %" if 0.05 <= percent < 99.95 else (
-            "under 0.1 %" if percent < 1 else "over 99.9 %"
-        )  # fmt: skip
+        return (
+            f"{percent:.1f} %"
+            if 0.05 <= percent < 99.95
+            else ("under 0.1 %" if percent < 1 else "over 99.9 %")
+        )
     return f"{percent:.0f} %"
 
 

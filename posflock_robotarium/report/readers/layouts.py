@@ -51,11 +51,11 @@ def _flat(axis: int) -> Callable[[tuple[int, ...]], int]:
 
 
 def _by_state(table: Floats) -> Floats:
-    return table.reshape(len(table), 3, -1)
+    return np.asarray(table.reshape(len(table), 3, -1))
 
 
 def _by_robot(table: Floats) -> Floats:
-    return table.reshape(len(table), -1, 3).transpose(0, 2, 1)
+    return np.asarray(table.reshape(len(table), -1, 3).transpose(0, 2, 1))
 
 
 LAYOUTS: tuple[Layout, ...] = (

@@ -6,10 +6,8 @@ version 7.3, or a ``.txt`` with commas, is read for what it is.
 
 from __future__ import annotations
 
-import json
 import os
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,65 +15,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.errors import LogError, ParameterError
-from posflock_robotarium.poselog import log_paths, row_type
-from posflock_robotarium.report.readers.layouts import COLUMN_ORDERS, to_poses
+from posflock_robotarium.poselog import log_paths
 from posflock_robotarium.report.readers.matlab import read_mat
+from posflock_robotarium.report.readers.named_arrays import (
+    Found,
+    ReadOptions,
+    floats,
+    poses_among,
+    poses_of_array,
+)
 from posflock_robotarium.report.readers.numpy_files import fields_of, read_npy, read_npz
+from posflock_robotarium.report.readers.pose_logs import FIELDS, read_pose_log
 from posflock_robotarium.report.readers.recording import LayoutError, Recording
 from posflock_robotarium.report.readers.text import STATE_NAMES, TIME_NAMES, read_text
 
 Floats = NDArray[np.float64]
-
-POSE_NAMES = ("poses", "pose", "states", "state", "x_data", "xdata", "trajectory", "trajectories")
-COMMAND_NAMES = ("command", "commands", "dxu")
-STEP_NAMES = ("dt", "time_step", "timestep")
-POSE_LOG_FIELDS = row_type(1).names
-LARGEST_SIDECAR = 16 << 20
-
-
-@dataclass(frozen=True)
-class ReadOptions:
-    """What the user says about a file that does not say it itself.
-
-    Parameters
-    ----------
-    layout : str, optional
-        Axes of the array, one of ``T,3,N``, ``3,N,T``, ``T,N,3``, ``T,3N``, ``3N,T``.
-    columns : str, optional
-        ``state`` (x1…xN, y1…yN, …), ``robot`` (x1, y1, θ1, x2, …) or the names of all columns.
-    dt : float, optional
-        Seconds between samples, for files without time.
-    array : str, optional
-        Which array of a file with several holds the poses.
-    drop_damaged : bool
-        Leave rows with values that are not finite out, and keep their place as a gap.
-    """
-
-    layout: str | None = None
-    columns: str | None = None
-    dt: float | None = None
-    array: str | None = None
-    drop_damaged: bool = False
-
-    def __post_init__(self) -> None:
-        if self.dt is not None and not (np.isfinite(self.dt) and self.dt > 0):
-            raise ParameterError(f"--dt is {self.dt}; expected seconds between samples, above 0")
-
-    @property
-    def order(self) -> str | None:
-        """The column order, when `columns` is one and not a list of names."""
-        return self.columns if self.columns in COLUMN_ORDERS else None
-
-
-@dataclass(frozen=True)
-class _Found:
-    """Poses as found in a file, before anything is checked."""
-
-    t: Floats | None
-    poses: Floats
-    notes: tuple[str, ...]
-    command: Floats | None = None
-    dt: float | None = None
 
 
 def read(path: str | os.PathLike[str], options: ReadOptions | None = None) -> Recording:
@@ -105,8 +59,8 @@ def read(path: str | os.PathLike[str], options: ReadOptions | None = None) -> Re
     kind = _kind(file)
     if kind == "npy":
         array = read_npy(file)
-        if array.dtype.names == POSE_LOG_FIELDS and array.ndim == 1:
-            return _pose_log(file, array)
+        if array.dtype.names == FIELDS and array.ndim == 1:
+            return read_pose_log(file, array)
     found = _find(file, kind, options)
     return _recording(found, file.stem, (str(file),), options)
 
@@ -133,7 +87,7 @@ def read_parts(
     named = _complementary(files)
     if named is not None:
         sources = tuple(str(file) for file in files)
-        found = _pick(named, " + ".join(file.name for file in files), options)
+        found = poses_among(named, " + ".join(file.name for file in files), options)
         joined = f"{len(files)} files that complement each other: {', '.join(named)}"
         return _recording(found, files[0].parent.name or "run", sources, options).noted(joined)
     return _concatenate([read(file, options) for file in files])
@@ -172,175 +126,41 @@ def _kind(file: Path) -> str:
     return "text"
 
 
-def _find(file: Path, kind: str, options: ReadOptions) -> _Found:
+def _find(file: Path, kind: str, options: ReadOptions) -> Found:
     where = str(file)
     if kind == "text":
         t, poses, notes = read_text(file, options.layout, options.columns)
-        return _Found(t, poses, tuple(notes))
+        return Found(t, poses, tuple(notes))
     if kind == "npz":
-        return _pick(read_npz(file), where, options, "NumPy archive")
+        return poses_among(read_npz(file), where, options, "NumPy archive")
     if kind == "mat":
         variables, version = read_mat(file)
-        return _pick(variables, where, options, f"{version} file")
+        return poses_among(variables, where, options, f"{version} file")
     array = read_npy(file)
     if array.dtype.names is not None:
-        return _pick(fields_of(array, where), where, options, "structured NumPy array")
-    return _plain_array(_floats(array, where), where, options)
-
-
-def _plain_array(array: Floats, where: str, options: ReadOptions) -> _Found:
-    notes = [f"NumPy array of shape {array.shape}"]
-    t: Floats | None = None
-    layout = options.layout
-    if array.ndim == 2 and layout is None and array.size:
-        # One row or column more than three a robot, and always increasing: that is the time.
-        for axis, name in ((1, "T,3N"), (0, "3N,T")):
-            if array.shape[axis] % 3 == 1 and array.shape[axis] > 3 and array.shape[1 - axis] > 1:
-                first = array[:, 0] if axis else array[0]
-                if np.all(np.diff(first) > 0):
-                    t, array, layout = first, array[:, 1:] if axis else array[1:], name
-                    notes.append("first row or column increases throughout: taken for the time")
-                    break
-    poses, how = to_poses(array, where, layout, options.order)
-    return _Found(t, poses, (*notes, how))
-
-
-def _pick(
-    arrays: Mapping[str, NDArray[Any]], where: str, options: ReadOptions, kind: str = "arrays"
-) -> _Found:
-    """Find time, poses and commands among named arrays."""
-    names = {name.lower(): name for name in arrays}
-    notes = [f"{kind} with {', '.join(arrays)}"]
-    t = next((_line(arrays[names[n]], where) for n in TIME_NAMES if n in names), None)
-    if t is not None and t.size < 2:
-        t = None
-    dt = next((_scalar(arrays[names[n]]) for n in STEP_NAMES if n in names), None)
-    samples = None if t is None else len(t)
-    triple = [
-        next((names[n] for n in (state, *STATE_NAMES[state]) if n in names), None)
-        for state in STATE_NAMES
-    ]
-    asked = options.array
-    if asked is None and all(name is not None for name in triple):
-        poses, how = _stack([arrays[str(name)] for name in triple], where, samples)
-        notes.append(f"x, y and heading from {', '.join(map(str, triple))}; {how}")
-    else:
-        name = _pose_array(arrays, names, where, asked, t)
-        array = _floats(arrays[name], f"{where}: {name}")
-        poses, how = to_poses(
-            array, f"{where}: {name}", options.layout, options.order, samples=samples
-        )
-        notes.append(f"poses from {name}, shape {array.shape}, {how}")
-    command = next((arrays[names[n]] for n in COMMAND_NAMES if n in names), None)
-    found = _command(command, poses.shape) if command is not None else None
-    if found is not None:
-        notes.append("commands were recorded too")
-    return _Found(t, poses, tuple(notes), found, dt)
-
-
-def _pose_array(
-    arrays: Mapping[str, NDArray[Any]],
-    names: Mapping[str, str],
-    where: str,
-    asked: str | None,
-    t: Floats | None,
-) -> str:
-    if asked is not None:
-        if asked not in arrays:
-            raise LayoutError(f"{where}: no array {asked!r}; there are {', '.join(arrays)}")
-        return asked
-    likely = [names[n] for n in POSE_NAMES if n in names]
-    if len(likely) == 1:
-        return likely[0]
-    fitting = [
-        name
-        for name, array in arrays.items()
-        if array.ndim in (2, 3)
-        and array.dtype.kind in "fiu"
-        and any(s % 3 == 0 for s in array.shape)
-        and array.size >= 6
-        and min(array.shape) >= 1
-        and array.size != max(array.shape)
-        and (t is None or len(t) in array.shape)
-    ]
-    if len(fitting) == 1:
-        return fitting[0]
-    shown = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
-    raise LayoutError(
-        f"{where}: {'several arrays' if fitting else 'no array'} could hold the poses: {shown}; "
-        "name the one with --array"
-    )
-
-
-def _stack(parts: list[NDArray[Any]], where: str, samples: int | None) -> tuple[Floats, str]:
-    """Put x, y and θ of shape (T, N), (N, T) or (T,) together."""
-    states = [_floats(part, where) for part in parts]
-    if len({state.shape for state in states}) != 1 or states[0].ndim not in (1, 2):
-        raise LayoutError(f"{where}: x, y and heading have shapes {[s.shape for s in states]}")
-    stacked = np.stack(states)
-    if stacked.ndim == 2:
-        return stacked.T[:, :, np.newaxis], "one robot"
-    _, first, second = stacked.shape
-    if samples is None:
-        samples = max(first, second)
-    if first == second or samples not in (first, second):
-        raise LayoutError(
-            f"{where}: x, y and heading of shape {(first, second)} and {samples} times: "
-            "which axis is time? Stack them into one array (T, 3, N)"
-        )
-    if first == samples:
-        return stacked.transpose(1, 0, 2), f"shape (T, N) with {second} robots"
-    return stacked.transpose(2, 0, 1), f"shape (N, T) with {first} robots"
-
-
-def _command(array: NDArray[Any], shape: tuple[int, ...]) -> Floats | None:
-    samples, _, robots = shape
-    if array.dtype.kind not in "fiu":
-        return None
-    if array.shape == (samples, 2, robots):
-        return np.asarray(array, dtype=np.float64)
-    if array.shape == (2, robots, samples):
-        return np.asarray(array, dtype=np.float64).transpose(2, 0, 1)
-    return None
-
-
-def _line(array: NDArray[Any], where: str) -> Floats:
-    values = _floats(array, where)
-    if values.size != max(values.shape, default=1):
-        raise LayoutError(f"{where}: time has shape {values.shape}, expected one number a sample")
-    return values.reshape(-1)
-
-
-def _scalar(array: NDArray[Any]) -> float | None:
-    if array.size == 1 and array.dtype.kind in "fiu":
-        value = float(array.reshape(-1)[0])
-        return value if np.isfinite(value) and value > 0 else None
-    return None
-
-
-def _floats(array: NDArray[Any], where: str) -> Floats:
-    if array.dtype.kind not in "fiu":
-        raise LogError(f"{where}: holds {array.dtype}, expected real numbers")
-    return np.asarray(array, dtype=np.float64)
+        return poses_among(fields_of(array, where), where, options, "structured NumPy array")
+    return poses_of_array(floats(array, where), where, options)
 
 
 def _recording(
-    found: _Found, name: str, sources: tuple[str, ...], options: ReadOptions
+    found: Found, name: str, sources: tuple[str, ...], options: ReadOptions
 ) -> Recording:
     where = sources[0]
-    poses, t, command = found.poses, found.t, found.command
+    poses, command = found.poses, found.command
     notes = list(found.notes)
-    if t is None:
+    if found.t is not None:
+        t = found.t
+        if options.dt is not None:
+            notes.append("--dt not used: the file has times of its own")
+    else:
         dt = options.dt or found.dt
         if dt is None:
             raise LayoutError(
                 f"{where}: no time in it; say the seconds between samples, for example "
                 "--dt 0.033 (the testbed's step)"
             )
-        t = np.arange(len(poses)) * dt
+        t = dt * np.arange(len(poses), dtype=float)
         notes.append(f"no time in the file: samples {dt:g} s apart")
-    elif options.dt is not None:
-        notes.append("--dt not used: the file has times of its own")
     if len(t) != len(poses):
         raise LogError(f"{where}: {len(t)} times for {len(poses)} poses")
     reached = _reached(poses)
@@ -376,76 +196,13 @@ def _reached(poses: Floats) -> int:
     return int(filled[-1]) + 1 if filled.size else 0
 
 
-def _pose_log(file: Path, rows: NDArray[Any]) -> Recording:
-    """Read our own log, whether the run ended well, was killed, or still goes on."""
-    if rows["pose"].ndim != 3 or rows["t"].ndim != 1 or rows.dtype["pose"].base.kind != "f":
-        raise LogError(f"{file}: fields of a pose log with other shapes, {rows.dtype}")
-    robots = rows["pose"].shape[2]
-    if rows.dtype.fields is None or rows["command"].shape[1:] != (2, robots):
-        raise LogError(f"{file}: {robots} robots and commands of shape {rows['command'].shape[1:]}")
-    t = _floats(rows["t"], str(file))
-    empty = np.flatnonzero(np.isnan(t))
-    reached = int(empty[0]) if empty.size else len(t)
-    if reached < len(t) and not np.isnan(t[reached:]).all():
-        again = reached + int(np.flatnonzero(~np.isnan(t[reached:]))[0])
-        raise LogError(f"{file}: row {reached} has no time, but row {again} has: a damaged log")
-    if reached < 2:
-        raise LogError(f"{file}: the run reached {reached} step(s); an analysis needs at least 2")
-    parameters = _sidecar(log_paths(file)[1])
-    notes = [f"pose log, {reached} of {len(t)} rows reached"]
-    ended = parameters.get("ended")
-    how = ended.get("how") if isinstance(ended, dict) else None
-    if not parameters:
-        notes.append(f"no {file.with_suffix('.json').name} beside it: parameters unknown")
-    elif how == "running":
-        notes.append("never closed: the run was killed, or still goes on")
-    elif how is not None and how != "finished":
-        notes.append(f"the run {how}: {ended.get('reason') or 'no reason recorded'}")  # type: ignore[union-attr]
-    columns = {
-        name: _floats(rows[name][:reached], f"{file}: {name}").copy()
-        for name in ("pose", "command", "moved", "smallest_h")
-    }
-    return Recording(
-        name=file.stem,
-        t=t[:reached].copy(),
-        poses=columns["pose"],
-        command=columns["command"],
-        moved=columns["moved"],
-        smallest_h=columns["smallest_h"],
-        status=_words(rows["status"][:reached]),
-        parameters=parameters,
-        notes=tuple(notes),
-        sources=(str(file),),
-    )
-
-
-def _words(status: NDArray[Any]) -> NDArray[np.str_] | None:
-    try:
-        return np.asarray(status, dtype=np.str_)
-    except (ValueError, UnicodeError):
-        return None
-
-
-def _sidecar(path: Path) -> dict[str, Any]:
-    try:
-        if path.stat().st_size > LARGEST_SIDECAR:
-            raise LogError(f"{path}: {path.stat().st_size} bytes, too large for a description")
-        parameters = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        return {}
-    except (OSError, ValueError, RecursionError) as error:
-        raise LogError(f"{path}: not readable as JSON ({error})") from error
-    if not isinstance(parameters, dict):
-        raise LogError(f"{path}: expected an object of parameters, got {type(parameters).__name__}")
-    return parameters
-
-
 def _complementary(files: list[Path]) -> dict[str, NDArray[Any]] | None:
     """Return the files as named arrays when one of them is a time, or they are x, y and θ."""
     if any(_kind(file) != "npy" for file in files):
         return None
-    prefix = os.path.commonprefix([file.stem for file in files])
-    prefix = prefix[: prefix.rfind("_") + 1]
+    # run3_x, run3_y and run3_theta are x, y and theta.
+    starts = {file.stem.rpartition("_")[0] + "_" for file in files}
+    prefix = starts.pop() if len(starts) == 1 else ""
     named: dict[str, NDArray[Any]] = {}
     for file in files:
         array = read_npy(file)

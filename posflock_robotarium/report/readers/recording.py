@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -115,7 +116,7 @@ class Recording:
     def segments(self) -> list[slice]:
         """The stretches between gaps; every sample is in exactly one."""
         edges = [0, *self.gaps.tolist(), len(self.t)]
-        return [slice(first, last) for first, last in zip(edges, edges[1:], strict=False)]
+        return [slice(first, last) for first, last in pairwise(edges)]
 
     def noted(self, *notes: str) -> Recording:
         """Return the same recording with more to say about how it was read."""

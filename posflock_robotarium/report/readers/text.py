@@ -200,15 +200,17 @@ def _by_name(
         robots = sorted({robot for _, robot in numbered}, key=int)
         missing = [f"{s}{r}" for r in robots for s in STATE_NAMES if (s, r) not in numbered]
         if missing:
-            raise LayoutError(f"{path}: no column for {', '.join(missing[:6])}; name all columns "
-                              "with --columns t,x1,y1,theta1,…")  # fmt: skip
-        index = np.array([[numbered[state, robot] for robot in robots] for state in STATE_NAMES])
-        poses = values[:, index]
+            raise LayoutError(
+                f"{path}: no column for {', '.join(missing[:6])}; name all columns "
+                "with --columns t,x1,y1,theta1,…"
+            )
+        chosen = np.array([[numbered[state, robot] for robot in robots] for state in STATE_NAMES])
+        poses = values[:, chosen]
     elif len(plain) == 3:
-        index = np.array([[plain[state]] for state in STATE_NAMES])
+        chosen = np.array([[plain[state]] for state in STATE_NAMES])
         if robot_column is not None:
-            return _long(path, table, time_column, robot_column, index[:, 0], notes)
-        poses = values[:, index]
+            return _long(path, table, time_column, robot_column, chosen[:, 0], notes)
+        poses = values[:, chosen]
     else:
         raise LayoutError(
             f"{path}: the columns {', '.join(names[:8])}… do not say where x, y and theta are; "

@@ -1,0 +1,274 @@
+"""``posflock report``, ``compare``, ``replay`` and ``convert``: what logs can be turned into."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from posflock_robotarium.report import Analysis, ReadOptions
+
+Logs = Annotated[
+    list[Path],
+    typer.Argument(help="Pose logs: ours, or .npy, .npz, .mat, CSV, text.", show_default=False),
+]
+Log = Annotated[Path, typer.Argument(help="Pose log of one run.", show_default=False)]
+Out = Annotated[Path, typer.Option("-o", "--out", help="Folder for everything that is written.")]
+Layout = Annotated[
+    str | None,
+    typer.Option(help="Axes of an array: T,3,N  3,N,T  T,N,3  T,3N  3N,T", show_default=False),
+]
+Columns = Annotated[
+    str | None,
+    typer.Option(
+        help="Order of columns: state (x1…xN, y1…), robot (x1, y1, θ1, x2…), or all their names.",
+        show_default=False,
+    ),
+]
+Step = Annotated[
+    float | None, typer.Option("--dt", help="Seconds between samples.", show_default=False)
+]
+Array = Annotated[
+    str | None, typer.Option(help="Which array of a file is the poses.", show_default=False)
+]
+DropDamaged = Annotated[
+    bool, typer.Option("--drop-damaged", help="Leave out rows that are not finite, as gaps.")
+]
+Joined = Annotated[bool, typer.Option("--join", help="The files are parts of one run.")]
+Radius = Annotated[
+    float | None,
+    typer.Option(help="Neighbour radius in metres; the log's own by default.", show_default=False),
+]
+Window = Annotated[float, typer.Option(help="Seconds of the Savitzky-Golay window.")]
+Slowest = Annotated[float, typer.Option(help="m/s up to which a robot has no direction.")]
+Settle = Annotated[float, typer.Option(help="Seconds at the start that settled means leave out.")]
+Json = Annotated[bool, typer.Option("--json", help="Print the summary as JSON, nothing else.")]
+
+
+def report(
+    logs: Logs,
+    out: Out = Path("report"),
+    layout: Layout = None,
+    columns: Columns = None,
+    dt: Step = None,
+    array: Array = None,
+    drop_damaged: DropDamaged = False,
+    join: Joined = False,
+    radius: Radius = None,
+    window: Window = 0.36,
+    slowest: Slowest = 0.01,
+    settle: Settle = 20.0,
+    latex: Annotated[bool, typer.Option("--latex", help="Also write table.tex.")] = False,
+    figures: Annotated[bool, typer.Option(help="Draw figures/*.pdf and *.png.")] = True,
+    json: Json = False,
+) -> None:
+    """Did it align, stay together and safe, and how sure are we? A page, figures, numbers.
+
+    Writes report.html (one file, works offline), figures/, metrics.csv, summary.json and the
+    analysis itself. Several logs are several runs: they are overlaid and averaged.
+
+        posflock report results/nine_robots.npy -o report
+
+        posflock report poses.mat --dt 0.033 --radius 0.75 -o report --latex
+
+    Exit code 0 when the report was written, 2 when a log cannot be read.
+    """
+    from posflock_robotarium.report.outputs import write_report
+
+    analyses = _analyse(
+        logs,
+        _options(layout, columns, dt, array, drop_damaged),
+        radius,
+        window,
+        slowest,
+        settle,
+        join,
+    )
+    written = write_report(analyses, out, latex=latex, figures=figures)
+    if json:
+        _print_json(analyses)
+        return
+    _print_verdicts(analyses)
+    typer.echo(f"{len(written)} files in {out}; open {written[0]}")
+
+
+def compare(
+    runs: Annotated[
+        list[Path],
+        typer.Argument(help="Logs, or saved analyses (.analysis.npz).", show_default=False),
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--out", help="Also write the overlaid report here.", show_default=False
+        ),
+    ] = None,
+    labels: Annotated[
+        str | None,
+        typer.Option(
+            help="What each run counts as, in order: simulation,testbed,… Runs that share a label "
+            "are averaged.",
+            show_default=False,
+        ),
+    ] = None,
+    layout: Layout = None,
+    columns: Columns = None,
+    dt: Step = None,
+    array: Array = None,
+    radius: Radius = None,
+    window: Window = 0.36,
+    slowest: Slowest = 0.01,
+    settle: Settle = 20.0,
+    json: Json = False,
+) -> None:
+    """Put runs side by side: every number, mean and 95 % interval, differences.
+
+        posflock compare simulated.npy returned.npy --labels simulation,testbed
+
+        posflock compare seed-*/nine_robots.npy -o comparison
+
+    Exit code 0, or 2 when a run cannot be read.
+    """
+    from posflock_robotarium.report.compare import compare as compare_runs
+
+    analyses = _analyse(
+        runs, _options(layout, columns, dt, array, False), radius, window, slowest, settle, False
+    )
+    comparison = compare_runs(analyses, labels.split(",") if labels else None)
+    if json:
+        import json as writer
+
+        typer.echo(writer.dumps(comparison.summary(), indent=1, ensure_ascii=False))
+    else:
+        from posflock_robotarium.report.tables import comparison_table
+
+        for line in comparison_table(comparison):
+            typer.echo(line)
+    if out is not None:
+        from posflock_robotarium.report.outputs import write_report
+
+        written = write_report(analyses, out, labels=comparison.labels)
+        typer.echo(f"{len(written)} files in {out}; open {written[0]}", err=json)
+
+
+def replay(
+    log: Log,
+    video: Annotated[
+        Path, typer.Option("--video", help="The film: .mp4 or .gif.", show_default=False)
+    ],
+    fps: Annotated[
+        float | None,
+        typer.Option(help="Frames a second; 25 for .mp4, 12.5 for .gif.", show_default=False),
+    ] = None,
+    speed: Annotated[float, typer.Option(help="Seconds of the run a second of film.")] = 1.0,
+    layout: Layout = None,
+    columns: Columns = None,
+    dt: Step = None,
+    array: Array = None,
+) -> None:
+    """Film a run from above.
+
+    posflock replay results/nine_robots.npy --video run.mp4
+
+    posflock replay results/nine_robots.npy --video run.gif --speed 8
+    """
+    from posflock_robotarium.report import read
+    from posflock_robotarium.report.analysis import robot_of
+    from posflock_robotarium.report.terminal import progress
+    from posflock_robotarium.report.video import write_video
+
+    recording = read(log, _options(layout, columns, dt, array, False))
+    with progress("filming") as told:
+        write_video(
+            recording, video, fps=fps, speed=speed, robot=robot_of(recording)[0], progress=told
+        )
+    typer.echo(f"wrote {video}")
+
+
+def convert(
+    log: Log,
+    to: Annotated[
+        str, typer.Option("--to", help="mat, csv, npz or mcap (for Foxglove).", show_default=False)
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--out", help="The file; beside the log by default.", show_default=False
+        ),
+    ] = None,
+    layout: Layout = None,
+    columns: Columns = None,
+    dt: Step = None,
+    array: Array = None,
+) -> None:
+    """Write a log in another tool's format.
+
+    posflock convert results/nine_robots.npy --to mcap -o nine_robots.mcap
+    """
+    from posflock_robotarium.errors import ParameterError
+    from posflock_robotarium.report import read
+    from posflock_robotarium.report.convert import WRITERS
+    from posflock_robotarium.report.convert import convert as write
+
+    if to not in WRITERS:
+        raise ParameterError(f"--to {to!r} is none of {', '.join(WRITERS)}")
+    target = out or log.with_suffix(f".{to}")
+    if target.suffix != f".{to}":
+        raise ParameterError(f"--out {target} does not end in .{to}")
+    if target.exists() and target.resolve() == log.resolve():
+        raise ParameterError(f"{target} is the log itself; name another file with --out")
+    typer.echo(f"wrote {write(read(log, _options(layout, columns, dt, array, False)), target)}")
+
+
+def _options(
+    layout: str | None,
+    columns: str | None,
+    dt: float | None,
+    array: str | None,
+    drop_damaged: bool,
+) -> "ReadOptions":
+    from posflock_robotarium.report import ReadOptions
+
+    return ReadOptions(layout, columns, dt, array, drop_damaged)
+
+
+def _analyse(
+    logs: list[Path],
+    reading: "ReadOptions",
+    radius: float | None,
+    window: float,
+    slowest: float,
+    settle: float,
+    join: bool,
+) -> list["Analysis"]:
+    from posflock_robotarium.report import AnalysisOptions, analyse, load, read_parts
+    from posflock_robotarium.report.analysis import is_analysis
+    from posflock_robotarium.report.compare import distinctly_named
+
+    options = AnalysisOptions(radius=radius, window=window, slowest=slowest, settle=settle)
+    if join:
+        return [analyse(read_parts(logs, reading), options)]
+    return distinctly_named(
+        [
+            load(log) if is_analysis(log) else analyse(log, options, read_options=reading)
+            for log in logs
+        ]
+    )
+
+
+def _print_json(analyses: list["Analysis"]) -> None:
+    import json
+
+    summaries = [analysis.summary() for analysis in analyses]
+    typer.echo(
+        json.dumps(summaries[0] if len(summaries) == 1 else summaries, indent=1, ensure_ascii=False)
+    )
+
+
+def _print_verdicts(analyses: list["Analysis"]) -> None:
+    for analysis in analyses:
+        typer.echo(f"{analysis.name}")
+        for verdict in analysis.verdicts:
+            typer.echo(f"  {verdict.mark:8s} {verdict.question} {verdict.answer}")
+            if verdict.because and verdict.mark != "good":
+                typer.echo(f"           {verdict.because}")

@@ -1,0 +1,213 @@
+"""Everything a report leaves in its folder: page, figures, numbers, and the analysis itself."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from posflock_robotarium.errors import OutputError
+from posflock_robotarium.report.analysis import Analysis
+from posflock_robotarium.report.compare import Comparison, compare
+from posflock_robotarium.report.page import write_page
+from posflock_robotarium.report.words import number_text
+
+LATEX_ROWS = (
+    "gamma_motion",
+    "gamma_headings",
+    "gamma_differences",
+    "left_out_motion",
+    "time_aligned_for_good_motion",
+    "share_aligned_motion",
+    "standing",
+    "speed",
+    "nearest_neighbour",
+    "smallest_distance",
+    "smallest_wall_distance",
+    "cohesive_radius",
+    "connected",
+    "collisions",
+    "interventions",
+)
+
+
+def write_report(
+    analyses: Sequence[Analysis],
+    folder: Path,
+    *,
+    latex: bool = False,
+    figures: bool = True,
+    labels: Sequence[str] | None = None,
+) -> list[Path]:
+    """Write the whole report.
+
+    Parameters
+    ----------
+    analyses : sequence of Analysis
+        One run, or several side by side.
+    folder : Path
+        Made when it is not there; nothing is written outside it.
+    latex : bool
+        Also write ``table.tex``.
+    figures : bool
+        Also draw ``figures/``.
+    labels : sequence of str, optional
+        What each of several runs counts as (see `compare.compare`).
+
+    Returns
+    -------
+    list of Path
+        What was written, the page first.
+
+    Raises
+    ------
+    OutputError
+        When the folder cannot be written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"{folder}: cannot be made ({error.strerror})") from error
+    comparison = compare(analyses, labels) if len(analyses) > 1 else None
+    written = [
+        write_page(analyses, folder / "report.html", comparison),
+        write_curves(analyses, folder / "metrics.csv"),
+        write_summary(analyses, comparison, folder / "summary.json"),
+    ]
+    for analysis, name in zip(analyses, _file_names(analyses), strict=True):
+        written.append(analysis.save(folder / f"{name}.analysis.npz"))
+    if latex:
+        written.append(_write(folder / "table.tex", latex_table(analyses, comparison)))
+    if figures:
+        from posflock_robotarium.report.figures import draw
+
+        written += draw(analyses, folder / "figures")
+    return written
+
+
+def write_curves(analyses: Sequence[Analysis], path: Path) -> Path:
+    """Write every metric over time as CSV, numbers in full precision, undefined ones empty.
+
+    Several runs are told apart by a first column ``run``.
+    """
+    keys = list(dict.fromkeys(key for analysis in analyses for key in analysis.curves))
+    several = len(analyses) > 1
+    try:
+        with path.open("w", newline="", encoding="utf-8") as file:
+            table = csv.writer(file, lineterminator="\n")
+            table.writerow([*(["run"] if several else []), "t", *keys])
+            for analysis in analyses:
+                missing = np.full(len(analysis.recording.t), np.nan)
+                columns = [analysis.recording.t, *(analysis.curves.get(k, missing) for k in keys)]
+                prefix = [_cell(analysis.name)] if several else []
+                for row in np.stack(columns, axis=1).tolist():
+                    table.writerow(
+                        [*prefix, *("" if value != value else repr(value) for value in row)]
+                    )
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written ({error.strerror})") from error
+    return path
+
+
+def write_summary(analyses: Sequence[Analysis], comparison: Comparison | None, path: Path) -> Path:
+    """Write all numbers with units, definitions, estimators and parameters as JSON."""
+    summary: dict[str, Any]
+    if comparison is None:
+        summary = analyses[0].summary()
+    else:
+        summary = {
+            "runs": [analysis.summary() for analysis in analyses],
+            "comparison": comparison.summary(),
+        }
+    return _write(path, json.dumps(summary, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def latex_table(analyses: Sequence[Analysis], comparison: Comparison | None = None) -> str:
+    """Return the main numbers as a LaTeX ``tabular`` (needs the package booktabs).
+
+    Parameters
+    ----------
+    analyses : sequence of Analysis
+        A column each; with a comparison also mean and interval.
+    comparison : Comparison, optional
+        Of the same runs.
+    """
+    names = [_latex(analysis.name) for analysis in analyses]
+    interval = comparison is not None and len(analyses) >= 3
+    lines = [
+        "% Means are over the settled part of a run; definitions are in summary.json.",
+        rf"\begin{{tabular}}{{l{'r' * (len(analyses) + interval)}}}",
+        r"\toprule",
+        " & ".join(["", *names, *(["mean [95\\,\\%]"] if interval else [])]) + r" \\",
+        r"\midrule",
+    ]
+    rows = {row.key: row for row in comparison.rows} if comparison is not None else {}
+    for key in LATEX_ROWS:
+        known = [analysis.numbers.get(key) for analysis in analyses]
+        example = next((number for number in known if number is not None), None)
+        if example is None:
+            continue
+        cells = ["--" if n is None else _latex(number_text(n.value, n.unit)) for n in known]
+        if interval:
+            spread = rows[key].overall
+            low, high = (number_text(v, example.unit) for v in (spread.low, spread.high))
+            cells.append(_latex(f"{number_text(spread.mean, example.unit)} [{low}, {high}]"))
+        lines.append(" & ".join([_latex(example.label), *cells]) + r" \\")
+    return "\n".join([*lines, r"\bottomrule", r"\end{tabular}", ""])
+
+
+_LATEX = {
+    "\\": r"\textbackslash{}",
+    "&": r"\&",
+    "%": r"\,\%",
+    "$": r"\$",
+    "#": r"\#",
+    "_": r"\_",
+    "{": r"\{",
+    "}": r"\}",
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    "γ": r"$\gamma$",
+    "≥": r"$\geq$",
+    "−": r"$-$",
+    "–": "--",
+    "°": r"\textdegree{}",
+    "²": r"$^2$",
+    "·": r"$\cdot$",
+    "∞": r"$\infty$",
+    "σ": r"$\sigma$",
+}
+
+
+def _latex(text: str) -> str:
+    return re.sub(" (\\\\,)", r"\1", "".join(_LATEX.get(letter, letter) for letter in text))
+
+
+def _cell(text: str) -> str:
+    """Keep a name from being taken for a formula by a spreadsheet."""
+    return "'" + text if text[:1] in "=+-@\t\r" else text
+
+
+def _file_names(analyses: Sequence[Analysis]) -> list[str]:
+    """Return a file name for each run: its own name made harmless, numbered where needed."""
+    names: list[str] = []
+    for analysis in analyses:
+        plain = re.sub(r"[^\w.-]+", "_", analysis.name).strip("._")[:80] or "run"
+        name, count = plain, 2
+        while name in names:
+            name, count = f"{plain}-{count}", count + 1
+        names.append(name)
+    return names
+
+
+def _write(path: Path, text: str) -> Path:
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written ({error.strerror})") from error
+    return path

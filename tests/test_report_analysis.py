@@ -1,0 +1,321 @@
+"""What an analysis says is what the metrics say, and its verdicts are true."""
+
+import dataclasses
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from posflock_robotarium import metrics
+from posflock_robotarium.errors import LogError, ParameterError
+from posflock_robotarium.report import AnalysisOptions, Recording, analyse, load
+from posflock_robotarium.report.compare import compare, distinctly_named, spread_of
+from posflock_robotarium.report.truth import known_flock
+from posflock_robotarium.report.verdicts import headline
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="module")
+def nine_robots(tmp_path_factory):
+    """A real run of the experiment, short."""
+    folder = tmp_path_factory.mktemp("nine")
+    command = [sys.executable, ROOT / "experiments/robotarium_9bot.py", "--seed", "3"]
+    subprocess.run(
+        [*command, "--duration", "26", "--out", folder], check=True, capture_output=True, cwd=ROOT
+    )
+    return analyse(folder / "nine_robots.npy")
+
+
+def verdict(analysis, question):
+    return next(v for v in analysis.verdicts if question in v.question)
+
+
+def test_the_nine_robots_agree_with_the_metrics(nine_robots):
+    recording, curves = nine_robots.recording, nine_robots.curves
+    poses, positions, step = recording.poses, recording.poses[:, :2], recording.step
+    radius = recording.parameters["neighbour_radius"]
+    motion = metrics.smoothed_velocities(positions, step)
+    differences = metrics.velocities_by_differences(positions, step)
+    headings = metrics.heading_vectors(poses)
+    expected = {
+        "gamma_motion": metrics.alignment(motion, positions, radius, slowest=0.01).gamma,
+        "gamma_headings": metrics.alignment(headings, positions, radius).gamma,
+        "gamma_differences": metrics.alignment(differences, positions, radius, slowest=0.01).gamma,
+        "left_out_motion": 1 - metrics.alignment(motion, positions, radius, slowest=0.01).counted / 9,
+        "polarisation_motion": metrics.polarisation(motion, slowest=0.01),
+        "speed": metrics.mean_speed(motion),
+        "nearest_neighbour": metrics.nearest_neighbour_distance(positions),
+        "smallest_distance": metrics.smallest_distance(positions),
+        "cohesive_radius": metrics.cohesive_radius(positions),
+        "spread": metrics.spread(positions),
+        "wall_distance": metrics.wall_distance(positions),
+        "components": metrics.connected_components(positions, radius),
+        "algebraic_connectivity": metrics.algebraic_connectivity(positions, radius),
+        "fastest_wheel": metrics.fastest_wheel(recording.command, 0.016, 0.11),
+    }  # fmt: skip
+    for key, values in expected.items():
+        np.testing.assert_allclose(curves[key], values, rtol=0, atol=1e-12, err_msg=key)
+    late = recording.t > 20
+    for key in ("gamma_motion", "gamma_headings", "speed"):
+        mean = float(expected[key][late].mean())
+        assert nine_robots.numbers[key].value == pytest.approx(mean, rel=0, abs=1e-12)
+    assert nine_robots.numbers["collision_steps"].value == metrics.colliding_pairs(poses).sum()
+
+
+def test_the_nine_robots_flock(nine_robots):
+    assert headline(nine_robots.verdicts) == "aligned, together, safe"
+    assert verdict(nine_robots, "whole run").mark == "good"
+    assert verdict(nine_robots, "limits").mark == "good"
+
+
+def test_small_stretches_give_the_same_curves(nine_robots, monkeypatch):
+    monkeypatch.setattr("posflock_robotarium.report.curves.PAIRS_AT_A_TIME", 81 * 7)
+    again = analyse(nine_robots.recording)
+    for key, curve in nine_robots.curves.items():
+        np.testing.assert_array_equal(again.curves[key], curve, err_msg=key)
+    assert again.events == nine_robots.events
+
+
+def test_saved_and_reloaded_it_is_the_same(nine_robots, tmp_path):
+    again = load(nine_robots.save(tmp_path / "run.analysis.npz"))
+    assert again.summary() == nine_robots.summary()
+    assert again.numbers.keys() == nine_robots.numbers.keys()
+    for key, curve in nine_robots.curves.items():
+        np.testing.assert_array_equal(again.curves[key], curve)
+    np.testing.assert_array_equal(again.recording.poses, nine_robots.recording.poses)
+    assert again.verdicts == nine_robots.verdicts
+    assert again.options == nine_robots.options
+
+
+def test_a_file_that_is_no_analysis_is_refused(tmp_path, nine_robots):
+    np.savez(tmp_path / "other.npz", t=[1, 2])
+    with pytest.raises(LogError, match="not a saved analysis"):
+        load(tmp_path / "other.npz")
+    saved = nine_robots.save(tmp_path / "run.npz")
+    (tmp_path / "cut.npz").write_bytes(saved.read_bytes()[:5000])
+    with pytest.raises(LogError):
+        load(tmp_path / "cut.npz")
+
+
+def parked(noise=0.0005, **changes):
+    flock = known_flock("stopped", 0.0, position_noise=noise)
+    return analyse(dataclasses.replace(flock.recording, **changes), radius=flock.radius)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.0005])
+def test_a_parked_flock_is_said_to_stand_however_parallel_its_headings(noise):
+    analysis = parked(noise)
+    aligned = verdict(analysis, "align")
+    assert analysis.numbers["gamma_headings"].value > 0.999
+    assert aligned.mark == "bad"
+    assert aligned.answer == "No: nothing moves."
+    assert "Headings are parallel (γ from headings 1.000)" in aligned.because
+    assert "not flocking" in aligned.because
+    assert headline(analysis.verdicts).startswith("parked")
+    assert verdict(analysis, "sure").mark == "caution"
+
+
+def test_a_flock_that_parks_on_the_way_came_to_a_stop():
+    moving = known_flock("parallel", 0.1, duration=70.0, position_noise=0).recording
+    poses = moving.poses.copy()
+    poses[len(poses) * 3 // 4 :] = poses[len(poses) * 3 // 4]
+    analysis = analyse(dataclasses.replace(moving, poses=poses), radius=100.0)
+    assert verdict(analysis, "align").answer == "No: it came to a stop."
+    assert verdict(analysis, "align").mark == "bad"
+
+
+def test_verdicts_tell_parallel_from_scattered():
+    answers = {}
+    for motion in ("parallel", "counter", "random"):
+        flock = known_flock(motion, 0.1)
+        answers[motion] = verdict(analyse(flock.recording, radius=flock.radius), "align").mark
+    assert answers == {"parallel": "good", "counter": "bad", "random": "bad"}
+
+
+def test_parallel_headings_with_scattered_motion_are_not_alignment():
+    flock = known_flock("random", 0.1)
+    poses = flock.recording.poses.copy()
+    poses[:, 2] = 0.7
+    analysis = analyse(dataclasses.replace(flock.recording, poses=poses), radius=100.0)
+    assert verdict(analysis, "align").answer == "No: headings are parallel, motion is not."
+    assert "headings and motion disagree" in verdict(analysis, "sure").answer
+
+
+def test_headings_in_degrees_are_noticed():
+    flock = known_flock("random", 0.1)
+    poses = flock.recording.poses.copy()
+    poses[:, 2] = np.degrees(poses[:, 2])
+    analysis = analyse(dataclasses.replace(flock.recording, poses=poses), radius=100.0)
+    assert verdict(analysis, "sure").mark == "bad"
+    assert "in radians" in verdict(analysis, "sure").because
+
+
+def pair(distance, heading=(0.0, 0.0), samples=120):
+    """Two robots beside each other that drive along x, `distance` (T,) apart."""
+    t = np.arange(samples) * 0.033
+    poses = np.zeros((samples, 3, 2))
+    poses[:, 0] = -0.5 + 0.1 * t[:, np.newaxis]
+    poses[:, 1, 1] = distance
+    poses[:, 2] = heading
+    return Recording("pair", t, poses)
+
+
+def test_collisions_are_counted_by_the_testbeds_own_test():
+    distance = np.full(120, 0.3)
+    distance[20:30] = 0.13
+    distance[60:62] = 0.134
+    distance[90] = 0.136
+    analysis = analyse(pair(distance), radius=0.75)
+    assert analysis.numbers["collisions"].value == 2
+    assert analysis.numbers["collision_steps"].value == 12
+    assert [(e.first, e.last, e.robots) for e in analysis.events] == [(20, 29, (0, 1)), (60, 61, (0, 1))]  # fmt: skip
+    assert verdict(analysis, "safe").answer == "No: 2 collisions."
+
+
+def test_the_collision_points_lie_ahead_of_the_centres():
+    # Centres .18 apart along x, nose to nose: the points .025 ahead are .13 apart.
+    recording = pair(np.zeros(120), heading=(0.0, np.pi))
+    poses = recording.poses.copy()
+    poses[:, 0] = [[0.0, 0.18]]
+    analysis = analyse(dataclasses.replace(recording, poses=poses), radius=0.75)
+    assert analysis.numbers["smallest_distance"].value == pytest.approx(0.18)
+    assert analysis.numbers["smallest_collision_distance"].value == pytest.approx(0.13)
+    assert analysis.numbers["collisions"].value == 1
+
+
+def test_leaving_the_arena_is_an_event_and_a_verdict():
+    recording = pair(np.full(120, 0.3))
+    poses = recording.poses.copy()
+    poses[40:50, 0, 1] = 1.65
+    analysis = analyse(dataclasses.replace(recording, poses=poses), radius=0.75)
+    assert analysis.numbers["boundary_events"].value == 1
+    assert analysis.numbers["boundary_steps"].value == 10
+    assert analysis.numbers["smallest_wall_distance"].value == pytest.approx(-0.05)
+    assert verdict(analysis, "safe").answer == "No: 1 boundary crossing."
+
+
+def test_stalls_and_wheel_excess_come_from_the_commands():
+    recording = pair(np.full(120, 0.3))
+    poses = recording.poses.copy()
+    poses[60:, :, 1] = poses[60, :, 1]
+    command = np.zeros((120, 2, 2))
+    command[:, 0] = 0.1
+    command[5, 0, 0] = 0.3
+    analysis = analyse(dataclasses.replace(recording, poses=poses, command=command), radius=0.75)
+    assert analysis.numbers["stalls"].value == 1
+    assert analysis.numbers["wheel_excess_steps"].value == 1
+    assert analysis.numbers["wheel_excess"].value == pytest.approx(0.3 / 0.016 - 12.5)
+    assert verdict(analysis, "limits").mark == "bad"
+
+
+def test_without_commands_limits_are_unknown():
+    assert verdict(parked(), "limits").mark == "unknown"
+
+
+def test_the_certificates_interventions_are_counted():
+    recording = dataclasses.replace(
+        pair(np.full(120, 0.3)),
+        command=np.zeros((120, 2, 2)),
+        moved=np.where(np.arange(120) < 30, 0.02, 0.0),
+        smallest_h=np.linspace(0.1, 0.01, 120),
+        status=np.array(["relaxed"] * 3 + ["optimal"] * 117),
+    )
+    numbers = analyse(recording, radius=0.75).numbers
+    assert numbers["interventions"].value == 0.25
+    assert numbers["intervention_mean"].value == pytest.approx(0.02)
+    assert numbers["smallest_h"].value == pytest.approx(0.01)
+    assert numbers["unsolved"].value == 3
+
+
+def test_a_flock_that_parts_is_not_together():
+    distance = np.linspace(0.3, 1.2, 120)
+    analysis = analyse(pair(distance), radius=0.75)
+    assert analysis.numbers["components"].value == 2
+    assert analysis.numbers["connected"].value == pytest.approx((distance < 0.75).mean())
+    assert verdict(analysis, "together").mark == "bad"
+
+
+def test_alignment_for_good_is_later_than_alignment_for_once():
+    t = np.arange(300) * 0.033
+    poses = np.zeros((300, 3, 2))
+    poses[:, 0, 0] = poses[:, 0, 1] = 0.1 * t
+    poses[:, 1, 1] = 0.3
+    poses[100:150, 2, 1] = 2.0
+    numbers = analyse(Recording("wobble", t, poses), radius=0.75).numbers
+    assert numbers["time_to_alignment_headings"].value == 0
+    assert numbers["time_aligned_for_good_headings"].value == pytest.approx(150 * 0.033)
+    assert numbers["share_aligned_headings"].value == pytest.approx(250 / 300)
+
+
+def test_one_robot_is_analysed_without_alignment():
+    recording = pair(np.full(120, 0.3))
+    alone = dataclasses.replace(recording, poses=recording.poses[:, :, :1])
+    analysis = analyse(alone, radius=0.75)
+    assert np.isnan(analysis.numbers["gamma_motion"].value)
+    assert verdict(analysis, "align").mark == "unknown"
+
+
+def test_the_neighbour_radius_is_asked_for_and_checked():
+    recording = pair(np.full(120, 0.3))
+    with pytest.raises(LogError, match="--radius"):
+        analyse(recording)
+    known = dataclasses.replace(recording, parameters={"neighbour_radius": [0.5, 0.6]})
+    assert analyse(known).options.radius == (0.5, 0.6)
+    for wrong in ([0.5] * 3, "wide", -1, float("nan")):
+        with pytest.raises(LogError, match="neighbour radius"):
+            analyse(dataclasses.replace(recording, parameters={"neighbour_radius": wrong}))
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"radius": 0.0},
+        {"window": 0.0},
+        {"slowest": -1.0},
+        {"threshold": 2.0},
+        {"settle": np.nan},
+    ],  # fmt: skip
+)
+def test_options_are_checked(wrong):
+    with pytest.raises(ParameterError):
+        AnalysisOptions(**wrong)
+
+
+def test_a_killed_run_is_not_the_whole_run():
+    analysis = parked(parameters={"ended": {"how": "running"}, "duration": 120.0})
+    assert verdict(analysis, "whole run").mark == "caution"
+    assert "60.0 s are logged of 120.0 s planned" in verdict(analysis, "whole run").because
+
+
+def test_the_bootstrap_interval_covers_the_mean_about_as_often_as_it_says():
+    rng = np.random.default_rng(5)
+    covered = 0
+    for k in range(200):
+        spread = spread_of(rng.normal(3.0, 1.0, 20), seed=k)
+        covered += spread.low <= 3.0 <= spread.high
+    assert 178 <= covered <= 198  # 95 % in theory, a little less for twenty values
+
+
+def test_fewer_than_three_runs_have_no_interval():
+    assert np.isnan(spread_of(np.array([1.0, 2.0])).low)
+    assert spread_of(np.array([np.nan, np.nan])).runs == 0
+    assert spread_of(np.array([1.0, 2.0, 4.0]), seed=1) == spread_of(np.array([1.0, 2.0, 4.0]), seed=1)  # fmt: skip
+
+
+def test_simulation_and_reality_side_by_side():
+    runs = []
+    for simulated, seed in ((True, 0), (True, 1), (False, 2)):
+        flock = known_flock("parallel", 0.1, duration=5.0, seed=seed)
+        recording = dataclasses.replace(flock.recording, parameters={"simulated": simulated})
+        runs.append(analyse(recording, radius=flock.radius))
+    comparison = compare(distinctly_named(runs))
+    assert comparison.groups == ("simulation", "testbed")
+    row = next(row for row in comparison.rows if row.key == "gamma_motion")
+    assert row.by_label["simulation"].runs == 2
+    assert row.by_label["simulation"].mean == pytest.approx(np.mean(row.values[:2]))
+    assert len({a.name for a in comparison.analyses}) == 3
+    with pytest.raises(ParameterError, match="labels"):
+        compare(runs, ["a"])
