@@ -5,6 +5,7 @@ import sys
 import typer
 
 from posflock_robotarium import __version__
+from posflock_robotarium.commands import paper
 from posflock_robotarium.errors import PosflockError
 
 app = typer.Typer(
@@ -34,6 +35,7 @@ def _posflock(
 
 
 # Each family of commands is registered here, in the order a researcher meets them.
+app.command()(paper.reproduce)
 
 
 def main() -> None:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium import metrics
+from posflock_robotarium.errors import ParameterError
 from posflock_robotarium.freespace import FreeSpace, Model, Recording, simulate_batch
 from posflock_robotarium.measures import Measures, measure, stack, summarise
 from posflock_robotarium.paper.robots import drive
@@ -30,6 +31,11 @@ _TOGETHER = 8
 
 #: Side of the cube in which 50 agents have as many neighbours as in the paper's square, m.
 CUBE_SIDE = 18.5
+
+#: An agent without a velocity sensor takes the difference of positions so far apart, s.
+DIFFERENCE_INTERVAL = 0.2
+
+_POSITION_NOISE = (0.0, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5)
 
 
 @dataclass(frozen=True)
@@ -148,9 +154,9 @@ def variations() -> Iterator[Variation]:
     for model in both:
         larger = replace(base, model=model, agents=200, side=50.0, record_interval=2.0)
         yield Variation("agents", "", 200.0, larger)
-        for value in (0.0, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5):
-            noisy = replace(base, model=model, sensing=Sensing(position_noise=value))
-            yield Variation("position noise", "m", value, noisy)
+        for value in _POSITION_NOISE:
+            blurred = replace(base, model=model, sensing=Sensing(position_noise=value))
+            yield Variation("position noise", "m", value, blurred)
         for value in (0.0, 0.02, 0.05, 0.1, 0.2):
             lossy = replace(base, model=model, sensing=Sensing(dropout=value))
             yield Variation("dropout", "", value, lossy)
@@ -162,9 +168,12 @@ def variations() -> Iterator[Variation]:
             yield Variation("vanishing agents", "", value, gone)
             stuck = replace(base, model=model, sensing=Sensing(failing=value, failure="stop"))
             yield Variation("stopping agents", "", value, stuck)
-    for value in (0.0, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0):
-        noisy = replace(base, model=Model.VELOCITY, sensing=Sensing(velocity_noise=value))
-        yield Variation("velocity noise", "m/s", value, noisy)
+    for value in _POSITION_NOISE:
+        # The error of a difference of two positions, over the time between them.
+        velocity_noise = 2.0**0.5 * value / DIFFERENCE_INTERVAL
+        noisy = Sensing(position_noise=value, velocity_noise=velocity_noise)
+        scenario = replace(base, model=Model.VELOCITY, sensing=noisy)
+        yield Variation("differentiated noise", "m", value, scenario)
 
 
 def gather(
@@ -179,8 +188,8 @@ def gather(
     Parameters
     ----------
     seeds : int
-        Seeds of the paper's simulation, at least 2; the robots drive half as many and the
-        variations a quarter, at least two each.
+        Seeds of the paper's simulation, at least 2; the robots and the variations run half as
+        many, at least two.
     first_seed : int
         Seeds count up from here.
     workers : int, optional
@@ -193,19 +202,18 @@ def gather(
     Evidence
         The same for the same seeds, however many workers there are.
     """
+    if seeds < 2:
+        raise ParameterError(f"seeds: expected at least 2, for a spread over them, got {seeds}")
     of_paper = tuple(range(first_seed, first_seed + seeds))
-    of_robots = of_paper[: max(2, seeds // 2)]
-    of_variations = of_paper[: max(2, seeds // 4)]
+    fewer = of_paper[: max(2, seeds // 2)]
     changed = list(variations())
     with local_pool(workers) as pool:
         # The longest tasks first: no processor idles at the end while another finishes one.
         driven = [
-            [pool.submit(drive, seed, imperfect=imperfect) for seed in of_robots]
+            [pool.submit(drive, seed, imperfect=imperfect) for seed in fewer]
             for imperfect in (False, True)
         ]
-        varied = [
-            [pool.submit(_run, v.scenario, part) for part in _parts(of_variations)] for v in changed
-        ]
+        varied = [[pool.submit(_run, v.scenario, part) for part in _parts(fewer)] for v in changed]
         paper = {
             model: [pool.submit(_run, FreeSpace(model), part) for part in _parts(of_paper)]
             for model in Model
