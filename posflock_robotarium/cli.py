@@ -5,7 +5,7 @@ import sys
 import typer
 
 from posflock_robotarium import __version__
-from posflock_robotarium.commands import paper
+from posflock_robotarium.commands import paper, sweep
 from posflock_robotarium.errors import PosflockError
 
 app = typer.Typer(
@@ -36,6 +36,7 @@ def _posflock(
 
 # Each family of commands is registered here, in the order a researcher meets them.
 app.command()(paper.reproduce)
+app.command()(sweep.sweep)
 
 
 def main() -> None:
