@@ -152,7 +152,6 @@ def varied(evidence: Evidence) -> Table:
 
 
 def _median_and_quartiles(values: Floats) -> str:
-    # "lower" never interpolates, so that runs that never aligned (infinite) stay what they are.
-    low, q1, q3, high = np.percentile(values, [0, 25, 75, 100], method="lower")
-    middle = np.percentile(values, 50, method="lower" if np.isinf(values).any() else "linear")
-    return f"{middle:.3g} ({q1:.3g} to {q3:.3g}; {low:.3g} to {high:.3g})"
+    # "nearest" never interpolates: runs that never aligned (infinite) stay what they are.
+    low, q1, q3, high = np.percentile(values, [0, 25, 75, 100], method="nearest")
+    return f"{np.median(values):.3g} ({q1:.3g} to {q3:.3g}; {low:.3g} to {high:.3g})"

@@ -106,7 +106,7 @@ def _medians(
 ) -> None:
     values = sorted({row[asked.x] for row in rows}, key=_order)
     runs = [np.array([r[asked.y] for r in rows if r[asked.x] == x], dtype=float) for x in values]
-    middle = np.array([np.percentile(run, 50, method="lower") for run in runs])
+    middle = np.array([np.median(run) for run in runs])
     low, high = np.transpose([interval(run) for run in runs])
     # Words have no places on an axis: they are put one after another.
     numeric = all(isinstance(x, (int, float)) and not isinstance(x, bool) for x in values)

@@ -72,9 +72,10 @@ def summary(study: Study, rows: Sequence[Row]) -> list[Row]:
         for name in names:
             values = np.array([row[name] for row in of_point], dtype=float)
             low, high = interval(values)
-            q1, median, q3 = np.percentile(values, [25, 50, 75], method="median_unbiased")
+            q1, q3 = np.percentile(values, [25, 75], method="nearest")
+            median = float(np.median(values))
             found.append(
-                {**combination, "outcome": name, "runs": len(values), "median": float(median)}
+                {**combination, "outcome": name, "runs": len(values), "median": median}
                 | {"low": low, "high": high, "q1": float(q1), "q3": float(q3)}
             )
     return found
@@ -84,8 +85,8 @@ def interval(values: Floats) -> tuple[float, float]:
     """Return the 95 % bootstrap interval of the median, always the same for the same values."""
     generator = np.random.default_rng(len(values))
     drawn = generator.integers(len(values), size=(_RESAMPLES, len(values)))
-    # Runs that never aligned are infinite: "lower" takes an order statistic, never a mean.
-    medians = np.percentile(values[drawn], 50, axis=1, method="lower")
+    # Runs that never aligned are infinite: "nearest" picks one, where others interpolate.
+    medians = np.median(values[drawn], axis=1)
     tail = 50.0 * (1.0 - CONFIDENCE)
     low, high = np.percentile(medians, [tail, 100.0 - tail], method="nearest")
     return float(low), float(high)
