@@ -104,7 +104,10 @@ def trajectories(singles: dict[Model, Recording]) -> Figure:
             scale=24,
             width=0.006,
             zorder=3,
-            label=f"t = {run.times[-1]:.0f} s",
+        )
+        # What the legend shows for the arrows.
+        axes.plot(
+            [], [], linestyle="", marker="$→$", color=BLACK, label=f"t = {run.times[-1]:.0f} s"
         )
         axes.set_aspect("equal", adjustable="datalim")
         axes.set_title(f"({letter})  {model.label}", fontsize=8)
@@ -127,9 +130,20 @@ def history(evidence: Evidence, *, single: bool) -> Figure:
         axes.set_xlabel("time (s)")
         axes.set_ylim(bottom=0)
     panels[0, 1].set_ylim(bottom=0)
+    _near_one(panels[0, 0], evidence, single)
     handles, labels = panels[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=3)
     return figure
+
+
+def _near_one(axes: Axes, evidence: Evidence, single: bool) -> None:
+    """Show in an inset what happens just below γ = 1, where two models lie on each other."""
+    inset = axes.inset_axes((0.16, 0.10, 0.36, 0.36))
+    for model in (Model.VELOCITY, Model.POSITION):
+        measures = evidence.measures[model]
+        _curve(inset, measures.times, measures.gamma, model, single)
+    inset.set(xlim=(10, measures.times[-1]), ylim=(0.975, 1.001), yticks=(0.98, 1.0))
+    inset.tick_params(labelsize=6)
 
 
 @in_style

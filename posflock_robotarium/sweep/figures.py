@@ -87,24 +87,39 @@ def outcome_over(study: Study, rows: Sequence[Row], asked: Asked) -> Figure:
     """Draw medians and their 95 % intervals over a grid, or every run over a distribution."""
     figure = new_figure(3.6, 2.7)
     axes = figure.subplots()
-    groups = sorted({row[asked.by] for row in rows}, key=_order) if asked.by else [None]
+    groups = _values(study, rows, asked.by) if asked.by else [None]
     for group, look in zip(groups, cycle(_LOOKS), strict=False):
         chosen = [row for row in rows if group is None or row[asked.by] == group]
         label = _tick(group) if group is not None else None
         if asked.x in study.distributions:
             _every_run(axes, chosen, asked, label, look)
         else:
-            _medians(axes, chosen, asked, label, look)
+            values = _values(study, chosen, asked.x)
+            _medians(axes, values, chosen, asked, label, look)
     axes.set(xlabel=_title(asked.x), ylabel=_title(asked.y))
     if asked.by:
-        figure.legend(loc="outside lower center", ncols=3, title=_title(asked.by))
+        title = _title(asked.by).removesuffix(" (–)")
+        figure.legend(loc="outside lower center", ncols=3, title=title)
+    each = f"median and 95 % interval of {study.replications} runs"
+    axes.set_title("every run" if asked.x in study.distributions else each, fontsize=7, loc="right")
     return figure
 
 
+def _values(study: Study, rows: Sequence[Row], name: str) -> list[Any]:
+    """Return the values that a parameter takes: numbers in order, words as the study lists them."""
+    there = {row[name] for row in rows}
+    listed = [value for value in study.grid.get(name, []) if value in there]
+    return listed if any(isinstance(value, str) for value in listed) else sorted(there)
+
+
 def _medians(
-    axes: Axes, rows: Sequence[Row], asked: Asked, label: str | None, look: dict[str, Any]
+    axes: Axes,
+    values: list[Any],
+    rows: Sequence[Row],
+    asked: Asked,
+    label: str | None,
+    look: dict[str, Any],
 ) -> None:
-    values = sorted({row[asked.x] for row in rows}, key=_order)
     runs = [np.array([r[asked.y] for r in rows if r[asked.x] == x], dtype=float) for x in values]
     middle = np.array([np.median(run) for run in runs])
     low, high = np.transpose([interval(run) for run in runs])
@@ -155,8 +170,3 @@ def _title(name: str) -> str:
 
 def _tick(value: object) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
-
-
-def _order(value: Any) -> tuple[bool, Any]:
-    """Sort numbers before words."""
-    return (isinstance(value, str), value)
