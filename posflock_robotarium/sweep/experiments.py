@@ -20,10 +20,16 @@ from typing import Any
 import numpy as np
 
 from posflock_robotarium.errors import ParameterError
+from posflock_robotarium.flock import Flock
 from posflock_robotarium.freespace import FreeSpace, simulate_batch
-from posflock_robotarium.law import PAPER_SIMULATION, LawParameters
+from posflock_robotarium.law import PAPER_EXPERIMENT, PAPER_SIMULATION, LawParameters
 from posflock_robotarium.measures import measure, summarise
+from posflock_robotarium.placement import random_poses
 from posflock_robotarium.sensing import Sensing
+from posflock_robotarium.summary import summarise as summarise_log
+from posflock_robotarium.trial import simulate
+from rps_compat.profiles import load_profile
+from rps_compat.realism import Profile
 
 Value = bool | int | float | str
 Parameters = Mapping[str, Value]
@@ -127,6 +133,10 @@ def _as(kind: type, name: str, value: Any) -> Value:
     return value
 
 
+def _number(parameters: Parameters, name: str) -> float:
+    return float(parameters[name])
+
+
 def _law(parameters: Parameters) -> LawParameters:
     return LawParameters(**{name: parameters[name] for name in LawParameters.__dataclass_fields__})  # type: ignore[arg-type]
 
@@ -165,5 +175,60 @@ register(
         headline=("gamma_settled", "nearest_neighbour_settled"),
         together=8,
         check=_free_space,
+    )
+)
+
+
+# ---------------------------------------------------------------- robots in the arena
+
+
+def _flock(parameters: Parameters) -> tuple[Flock, Profile]:
+    if _number(parameters, "robots") < 1 or _number(parameters, "duration") <= 0.0:
+        raise ParameterError(
+            "robots from 1 and a duration above 0 s are expected; got"
+            f" {parameters['robots']} and {parameters['duration']}"
+        )
+    flock = Flock(_law(parameters), walls=str(parameters["walls"]))
+    return flock, load_profile(str(parameters["profile"]))
+
+
+def _run_robots(parameters: Parameters, seeds: Sequence[np.random.SeedSequence]) -> list[Outcome]:
+    flock, profile = _flock(parameters)
+    side, spacing = _number(parameters, "side"), _number(parameters, "spacing")
+    robots, duration = int(_number(parameters, "robots")), _number(parameters, "duration")
+    found = []
+    for seed in seeds:
+        start = random_poses(robots, np.random.default_rng(seed), side=side, spacing=spacing)
+        (noise,) = seed.spawn(1)
+        trial = simulate(
+            flock,
+            start,
+            duration,
+            realism=profile.start(),
+            seed=int(noise.generate_state(1, np.uint64)[0]),
+        )
+        numbers = summarise_log(trial.truth()).as_dict()
+        found.append({k: float(v) for k, v in numbers.items() if not isinstance(v, str)})
+        del found[-1]["duration"]
+    return found
+
+
+_ROBOTS: dict[str, Value] = {
+    "robots": 9,
+    "duration": 120.0,
+    "side": 1.0,
+    "spacing": 0.3,
+    "walls": "steer",
+    "profile": "ideal",
+}
+
+register(
+    Experiment(
+        "robots",
+        "Robots on wheels in the arena, with the imperfections of a profile.",
+        _ROBOTS | PAPER_EXPERIMENT.as_dict(),
+        _run_robots,
+        headline=("gamma_motion", "smallest_distance"),
+        check=_flock,
     )
 )

@@ -88,6 +88,7 @@ def outcome_over(study: Study, rows: Sequence[Row], asked: Asked) -> Figure:
     figure = new_figure(3.6, 2.7)
     axes = figure.subplots()
     groups = _values(study, rows, asked.by) if asked.by else [None]
+    axes.set(xlabel=_title(asked.x), ylabel=_title(asked.y))
     for group, look in zip(groups, cycle(_LOOKS), strict=False):
         chosen = [row for row in rows if group is None or row[asked.by] == group]
         label = _tick(group) if group is not None else None
@@ -96,7 +97,6 @@ def outcome_over(study: Study, rows: Sequence[Row], asked: Asked) -> Figure:
         else:
             values = _values(study, chosen, asked.x)
             _medians(axes, values, chosen, asked, label, look)
-    axes.set(xlabel=_title(asked.x), ylabel=_title(asked.y))
     if asked.by:
         title = _title(asked.by).removesuffix(" (–)")
         figure.legend(loc="outside lower center", ncols=3, title=title)
@@ -140,6 +140,7 @@ def _medians(
     )
     if not numeric:
         axes.set_xticks(places, [_tick(x) for x in values])
+        axes.set_xlabel(_title(asked.x).removesuffix(" (–)"))
         axes.margins(x=0.15)
 
 
