@@ -14,8 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from posflock_robotarium import metrics
+from posflock_robotarium.errors import ParameterError
 from posflock_robotarium.freespace import FreeSpace, Model, Recording, simulate_batch
+from posflock_robotarium.law import displacements, neighbours, phi
 from posflock_robotarium.measures import Measures, measure, stack, summarise
 from posflock_robotarium.paper.robots import drive
 from posflock_robotarium.poselog import Log
@@ -30,6 +31,12 @@ _TOGETHER = 8
 
 #: Side of the cube in which 50 agents have as many neighbours as in the paper's square, m.
 CUBE_SIDE = 18.5
+
+#: An agent without a velocity sensor takes the difference of positions so far apart, s.
+DIFFERENCE_INTERVAL = 0.2
+
+_IMPRINTED = (Model.POSITION, Model.POSITION_NO_THRESHOLD)
+_POSITION_NOISE = (0.0, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5)
 
 
 @dataclass(frozen=True)
@@ -93,8 +100,9 @@ class Evidence:
         (B, T) over seeds.
     singles : dict of Model to Recording
         The first seed's run, for trajectories.
-    memory : dict of Model to (B,) array
-        Correlation of the pairwise distances at the end with those at the start.
+    imprint : dict of Model to (B,) array
+        Of the position-based models: how hard the imprint pulls at 100 s, as a share of its
+        pull at 10 s.
     variations : tuple of (Variation, Measures)
         In the order of :func:`variations`; fewer seeds.
     robots, imperfect_robots : Robots
@@ -104,7 +112,7 @@ class Evidence:
     seeds: tuple[int, ...]
     measures: dict[Model, Measures]
     singles: dict[Model, Recording]
-    memory: dict[Model, Floats]
+    imprint: dict[Model, Floats]
     variations: tuple[tuple[Variation, Measures], ...]
     robots: Robots
     imperfect_robots: Robots
@@ -148,9 +156,9 @@ def variations() -> Iterator[Variation]:
     for model in both:
         larger = replace(base, model=model, agents=200, side=50.0, record_interval=2.0)
         yield Variation("agents", "", 200.0, larger)
-        for value in (0.0, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5):
-            noisy = replace(base, model=model, sensing=Sensing(position_noise=value))
-            yield Variation("position noise", "m", value, noisy)
+        for value in _POSITION_NOISE:
+            blurred = replace(base, model=model, sensing=Sensing(position_noise=value))
+            yield Variation("position noise", "m", value, blurred)
         for value in (0.0, 0.02, 0.05, 0.1, 0.2):
             lossy = replace(base, model=model, sensing=Sensing(dropout=value))
             yield Variation("dropout", "", value, lossy)
@@ -162,9 +170,12 @@ def variations() -> Iterator[Variation]:
             yield Variation("vanishing agents", "", value, gone)
             stuck = replace(base, model=model, sensing=Sensing(failing=value, failure="stop"))
             yield Variation("stopping agents", "", value, stuck)
-    for value in (0.0, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0):
-        noisy = replace(base, model=Model.VELOCITY, sensing=Sensing(velocity_noise=value))
-        yield Variation("velocity noise", "m/s", value, noisy)
+    for value in _POSITION_NOISE:
+        # The error of a difference of two positions, over the time between them.
+        velocity_noise = 2.0**0.5 * value / DIFFERENCE_INTERVAL
+        noisy = Sensing(position_noise=value, velocity_noise=velocity_noise)
+        scenario = replace(base, model=Model.VELOCITY, sensing=noisy)
+        yield Variation("differentiated noise", "m", value, scenario)
 
 
 def gather(
@@ -179,8 +190,8 @@ def gather(
     Parameters
     ----------
     seeds : int
-        Seeds of the paper's simulation, at least 2; the robots drive half as many and the
-        variations a quarter, at least two each.
+        Seeds of the paper's simulation, at least 2; the robots and the variations run half as
+        many, at least two.
     first_seed : int
         Seeds count up from here.
     workers : int, optional
@@ -193,21 +204,20 @@ def gather(
     Evidence
         The same for the same seeds, however many workers there are.
     """
+    if seeds < 2:
+        raise ParameterError(f"seeds: expected at least 2, for a spread over them, got {seeds}")
     of_paper = tuple(range(first_seed, first_seed + seeds))
-    of_robots = of_paper[: max(2, seeds // 2)]
-    of_variations = of_paper[: max(2, seeds // 4)]
+    fewer = of_paper[: max(2, seeds // 2)]
     changed = list(variations())
     with local_pool(workers) as pool:
         # The longest tasks first: no processor idles at the end while another finishes one.
         driven = [
-            [pool.submit(drive, seed, imperfect=imperfect) for seed in of_robots]
+            [pool.submit(drive, seed, imperfect=imperfect) for seed in fewer]
             for imperfect in (False, True)
         ]
-        varied = [
-            [pool.submit(_run, v.scenario, part) for part in _parts(of_variations)] for v in changed
-        ]
+        varied = [[pool.submit(_run, v.scenario, part) for part in _parts(fewer)] for v in changed]
         paper = {
-            model: [pool.submit(_run, FreeSpace(model), part) for part in _parts(of_paper)]
+            model: [pool.submit(_run_paper, model, part) for part in _parts(of_paper)]
             for model in Model
         }
         tasks: list[Future[object]] = [
@@ -222,9 +232,11 @@ def gather(
             seeds=of_paper,
             measures={m: _joined([task.result()[0] for task in paper[m]]) for m in Model},
             singles={m: paper[m][0].result()[1] for m in Model},
-            memory={m: np.concatenate([task.result()[2] for task in paper[m]]) for m in Model},
+            imprint={
+                m: np.concatenate([task.result()[2] for task in paper[m]]) for m in _IMPRINTED
+            },
             variations=tuple(
-                (variation, _joined([task.result()[0] for task in group]))
+                (variation, _joined([task.result() for task in group]))
                 for variation, group in zip(changed, varied, strict=True)
             ),
             robots=_robots([task.result() for task in driven[0]]),
@@ -240,17 +252,27 @@ def _joined(parts: Sequence[Measures]) -> Measures:
     return stack([part[flock] for part in parts for flock in range(len(part.gamma))])
 
 
-def _run(scenario: FreeSpace, seeds: Sequence[int]) -> tuple[Measures, Recording, Floats]:
-    """Run some seeds of one scenario; return the measures, the first run and the memory."""
+def _run(scenario: FreeSpace, seeds: Sequence[int]) -> Measures:
+    return measure(simulate_batch(scenario, seeds), scenario.law.radius)
+
+
+def _run_paper(model: Model, seeds: Sequence[int]) -> tuple[Measures, Recording, Floats]:
+    """Run some seeds of the paper's simulation; return one run to draw as well."""
+    scenario = FreeSpace(model)
     recording = simulate_batch(scenario, seeds)
-    memory = np.array([_memory(flock) for flock in recording.positions])
-    return measure(recording, scenario.law.radius), recording[0], memory
+    pulls = np.array([_imprint_pull(scenario, recording, time) for time in (10.0, 100.0)])
+    return measure(recording, scenario.law.radius), recording[0], pulls[1] / pulls[0]
 
 
-def _memory(positions: Floats) -> float:
-    """Return the correlation of the pairwise distances at the end with those at the start."""
-    first, last = (metrics.pairwise_distances(positions[at]) for at in (0, -1))
-    return float(np.corrcoef(first, last)[0, 1])
+def _imprint_pull(scenario: FreeSpace, recording: Recording, time: float) -> Floats:
+    """Return how hard the imprint pulls, the mean of ‖φ_i·Σ_j p_ij(0)‖, m/s², shape (B,)."""
+    law, at = scenario.law, int(np.argmin(np.abs(recording.times - time)))
+    adjacency = neighbours(recording.positions[:, at], law.radius)
+    threshold = scenario.model is not Model.POSITION_NO_THRESHOLD
+    gain = phi(time, adjacency.sum(axis=-1), law.persistence if threshold else None)
+    imprint = displacements(recording.positions[:, 0])
+    pull = gain[:, None, :] * np.einsum("bij,bdij->bdi", adjacency.astype(float), imprint)
+    return np.asarray(np.sqrt(np.square(pull).sum(axis=1)).mean(axis=-1))
 
 
 def _robots(runs: Sequence[tuple[Log, Summary, Floats, Floats]]) -> Robots:

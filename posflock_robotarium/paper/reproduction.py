@@ -1,0 +1,137 @@
+"""Go through the reproduction from seeds to files."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from posflock_robotarium.errors import OutputError
+from posflock_robotarium.paper.claims import Judgement, Verdict, judge_all
+from posflock_robotarium.paper.evidence import Evidence, gather
+from posflock_robotarium.paper.tables import over_seeds, qualitative, varied
+
+_MARKS: dict[Verdict, str] = {"holds": "✓", "holds weakly": "~", "does not hold": "✗"}
+
+
+@dataclass(frozen=True, eq=False)
+class Reproduction:
+    """What a reproduction found, and where it was written.
+
+    Attributes
+    ----------
+    evidence : Evidence
+        Every run.
+    judgements : list of Judgement
+        Every claim, judged.
+    paths : list of Path
+        The files.
+    """
+
+    evidence: Evidence
+    judgements: list[Judgement]
+    paths: list[Path]
+
+    @property
+    def verdicts(self) -> Counter[Verdict]:
+        """How many claims got each verdict."""
+        return Counter(judgement.verdict for judgement in self.judgements)
+
+
+def reproduce(
+    folder: Path,
+    seeds: int = 20,
+    *,
+    first_seed: int = 0,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] = lambda done, all_: None,
+) -> Reproduction:
+    """Recompute the paper into `folder`: figures, tables, claims.
+
+    Parameters
+    ----------
+    folder : Path
+        Made where missing: ``figures/`` (PDF and PNG), ``claims.md``, ``claims.json``,
+        ``tables.md`` and one CSV a table.
+    seeds, first_seed : int
+        How many seeds, counted up from the first.
+    workers : int, optional
+        Processes; one for each processor by default.
+    progress : function of (done, all)
+        Called after each finished task.
+
+    Returns
+    -------
+    Reproduction
+        The same bytes for the same seeds, except for the versions of libraries.
+
+    Raises
+    ------
+    OutputError
+        Where `folder` cannot be written; this is tried before anything is computed.
+    ParameterError
+        Where `seeds` is less than 2.
+    """
+    from posflock_robotarium.paper.figures import draw_all
+
+    paths = _require_folder(folder)
+    evidence = gather(seeds, first_seed=first_seed, workers=workers, progress=progress)
+    judgements = judge_all(evidence)
+    tables = {
+        "table_seeds": over_seeds(evidence),
+        "table_qualitative": qualitative(evidence),
+        "table_variations": varied(evidence),
+    }
+    texts = {
+        "claims.md": claims_page(judgements, evidence),
+        "claims.json": json.dumps([j.as_dict() for j in judgements], indent=2, ensure_ascii=False),
+        "tables.md": "\n".join(["# Tables", "", *(table.markdown() for table in tables.values())]),
+        **{f"{name}.csv": table.csv() for name, table in tables.items()},
+    }
+    for name, text in texts.items():
+        paths.append(folder / name)
+        paths[-1].write_text(text.rstrip("\n") + "\n", encoding="utf-8")
+    paths.extend(draw_all(evidence, folder / "figures"))
+    return Reproduction(evidence, judgements, paths)
+
+
+def claims_page(judgements: list[Judgement], evidence: Evidence) -> str:
+    """Return ``claims.md``: a table of verdicts, then each claim with its test and reason."""
+    first, last = evidence.seeds[0], evidence.seeds[-1]
+    counted = Counter(judgement.verdict for judgement in judgements)
+    lines = [
+        "# The paper's claims, tested",
+        "",
+        f"{len(judgements)} sentences over seeds {first} to {last} ({len(evidence.seeds)} runs of"
+        " each model; variations and robots over half as many): "
+        + ", ".join(f"{counted[verdict]} {mark} {verdict}" for verdict, mark in _MARKS.items())
+        + ".  Verdicts are computed from the thresholds stated with each claim.",
+        "",
+        "| | claim | measured | verdict |",
+        "| --- | --- | --- | --- |",
+    ]
+    for judgement in judgements:
+        claim = judgement.claim
+        lines.append(
+            f"| {_MARKS[judgement.verdict]} | [{claim.id}](#{claim.id}) |"
+            f" {judgement.value:.3g} {claim.unit} | {judgement.verdict} |"
+        )
+    for judgement in judgements:
+        claim = judgement.claim
+        lines += ["", f"## {claim.id}", "", f"> {claim.claim}", "", f"**Test:** {claim.test}."]
+        lines += ["", f"**{judgement.verdict.capitalize()}.** {judgement.reason}"]
+    return "\n".join(lines)
+
+
+def _require_folder(folder: Path) -> list[Path]:
+    """Make the folder, or refuse before minutes of computing are lost."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        probe = folder / ".writable"
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        raise OutputError(f"cannot write into {folder}: {error.strerror}") from error
+    return []

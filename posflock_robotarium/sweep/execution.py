@@ -1,0 +1,192 @@
+"""Compute what a study lacks: by processes of this machine, or on a Dask cluster.
+
+Both do the same with the same function, :func:`compute`, whose result depends on nothing
+but its arguments.  Where a run is computed, in which order and in whose company therefore
+changes no number, and a worker that dies costs time only: its runs are computed again.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from contextlib import contextmanager
+from itertools import groupby, islice
+
+from posflock_robotarium import __version__
+from posflock_robotarium.errors import PosflockError
+from posflock_robotarium.sweep.experiments import find
+from posflock_robotarium.sweep.store import Row, Store
+from posflock_robotarium.sweep.study import Run, Study
+from posflock_robotarium.workers import local_pool, processors
+
+#: What gives rows for batches of runs, in any order.
+Executor = Callable[[str, Sequence[Sequence[Run]]], Iterator[list[Row]]]
+
+
+class ClusterError(PosflockError):
+    """A Dask cluster cannot be used."""
+
+
+def execute(
+    study: Study,
+    store: Store,
+    executor: Executor,
+    progress: Callable[[int, int], None] = lambda done, all_: None,
+) -> int:
+    """Compute every run of a study that the store lacks, and store it.
+
+    Parameters
+    ----------
+    study : Study
+        What is wanted.
+    store : Store
+        What is there, and where new rows go as soon as they are finished.
+    executor : Executor
+        :func:`locally`, or :func:`on_cluster`.
+    progress : function of (done, all)
+        Called whenever runs are finished, with the runs of this sweep alone.
+
+    Returns
+    -------
+    int
+        How many runs were computed.
+    """
+    missing = [run for run in study.runs() if run.key not in store.rows]
+    done = 0
+    for rows in executor(study.experiment.name, batches(missing, study.experiment.together)):
+        store.append(rows)
+        done += len(rows)
+        progress(done, len(missing))
+    return done
+
+
+def batches(runs: Iterable[Run], together: int) -> list[list[Run]]:
+    """Group runs with equal parameters into batches of at most so many."""
+    grouped = groupby(runs, key=lambda run: sorted(run.parameters.items()))
+    return [
+        batch
+        for _, group in grouped
+        for batch in iter(lambda: list(islice(group, together)), [])  # noqa: B023
+    ]
+
+
+def compute(experiment: str, runs: Sequence[Run]) -> list[Row]:
+    """Compute one batch of runs with equal parameters.
+
+    Parameters
+    ----------
+    experiment : str
+        Name of a registered experiment.
+    runs : sequence of Run
+        With one set of parameters.
+
+    Returns
+    -------
+    list of rows
+        Everything that decides a run, then what came out, ``seconds`` of CPU time a run and
+        the ``version`` that computed it.
+    """
+    started = time.process_time()
+    outcomes = find(experiment).run(runs[0].parameters, [run.stream for run in runs])
+    seconds = (time.process_time() - started) / len(runs)
+    return [
+        {
+            "key": run.key,
+            "point": run.point,
+            "replication": run.replication,
+            "experiment": experiment,
+            "study_seed": run.stream.entropy,
+            **run.parameters,
+            **outcome,
+            "seconds": round(seconds, 6),
+            "version": __version__,
+        }
+        for run, outcome in zip(runs, outcomes, strict=True)
+    ]
+
+
+def locally(workers: int | None = None) -> Executor:
+    """Return an executor of so many processes; by default one for each processor.
+
+    Parameters
+    ----------
+    workers : int, optional
+        One computes in this process.
+    """
+    count = workers or processors()
+
+    def run(experiment: str, work: Sequence[Sequence[Run]]) -> Iterator[list[Row]]:
+        if count == 1 or len(work) < 2:
+            yield from (compute(experiment, batch) for batch in work)
+            return
+        todo = iter(work)
+        with local_pool(min(count, len(work))) as pool:
+            # A few batches ahead of each worker: none waits, and a long study needs no memory.
+            pending: set[Future[list[Row]]] = set()
+            while True:
+                for batch in islice(todo, 3 * count - len(pending)):
+                    pending.add(pool.submit(compute, experiment, batch))
+                if not pending:
+                    return
+                finished, pending = wait(pending, return_when=FIRST_COMPLETED)
+                yield from (future.result() for future in finished)
+
+    return run
+
+
+@contextmanager
+def on_cluster(address: str) -> Iterator[Executor]:
+    """Connect to a Dask scheduler and give an executor that sends it the work.
+
+    Dask's workers pin BLAS to one thread by themselves, and its scheduler gives the runs of
+    a worker that died to another.
+
+    Parameters
+    ----------
+    address : str
+        Of the scheduler, such as ``tcp://10.0.0.1:8786``.
+
+    Raises
+    ------
+    ClusterError
+        Where Dask is not installed, nobody answers, or a worker has another version.
+    """
+    try:
+        from distributed import Client, as_completed
+    except ImportError as error:
+        raise ClusterError(
+            "a cluster needs Dask: pip install 'posflock-robotarium[cluster]'"
+        ) from error
+    try:
+        client = Client(address, timeout="10s", set_as_default=False)
+    except (OSError, ValueError, TimeoutError) as error:
+        raise ClusterError(f"no Dask scheduler answers at {address}: {error}") from error
+
+    def run(experiment: str, work: Sequence[Sequence[Run]]) -> Iterator[list[Row]]:
+        futures = client.map(
+            compute, [experiment] * len(work), work, pure=False, retries=2, batch_size=100
+        )
+        for future in as_completed(futures):
+            rows: list[Row] = future.result()
+            yield rows
+            future.release()
+
+    try:
+        _require_same_version(client.run(_version))
+        yield run
+    finally:
+        client.close()
+
+
+def _version() -> str:
+    return __version__
+
+
+def _require_same_version(versions: dict[str, str]) -> None:
+    others = {worker: found for worker, found in versions.items() if found != __version__}
+    if others:
+        worker, found = next(iter(others.items()))
+        raise ClusterError(
+            f"posflock-robotarium {__version__} is expected on every worker; {worker} has {found}"
+        )

@@ -1,0 +1,147 @@
+"""What a study found: tidy tables, and medians with confidence intervals.
+
+Tables hold one run a row, sorted by combination and replication, and leave out what
+differs from machine to machine.  The same study gives the same bytes, wherever and in
+whatever order its runs were computed.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from posflock_robotarium.errors import OutputError
+from posflock_robotarium.sweep.store import Row, Store
+from posflock_robotarium.sweep.study import Study
+
+Floats = NDArray[np.float64]
+
+#: Of confidence intervals.
+CONFIDENCE = 0.95
+_RESAMPLES = 2000
+#: In a row of the store, but not the run's result.
+_OF_MACHINE = ("seconds",)
+
+
+def finished(study: Study, store: Store) -> list[Row]:
+    """Return the rows of a study that are in the store, by combination and replication."""
+    rows = [
+        # The place of a combination may have moved since the row was stored.
+        {**store.rows[run.key], "point": run.point}
+        for run in study.runs()
+        if run.key in store.rows
+    ]
+    return [{k: v for k, v in row.items() if k not in _OF_MACHINE} for row in rows]
+
+
+def outcomes(study: Study, rows: Sequence[Row]) -> list[str]:
+    """Return the names of what came out of the runs, without what went in."""
+    given = {"key", "point", "replication", "experiment", "study_seed", "version"}
+    given |= set(study.experiment.defaults)
+    return [name for name in (rows[0] if rows else {}) if name not in given]
+
+
+def summary(study: Study, rows: Sequence[Row]) -> list[Row]:
+    """Return median, quartiles and confidence interval of every outcome and combination.
+
+    Parameters
+    ----------
+    study : Study
+        What was run.
+    rows : sequence of rows
+        From :func:`finished`.
+
+    Returns
+    -------
+    list of rows
+        One for each combination and outcome: the values of the grid, ``outcome``, ``runs``,
+        ``median``, ``low`` and ``high`` (95 % bootstrap interval of the median), ``q1``, ``q3``.
+    """
+    found: list[Row] = []
+    names = outcomes(study, rows)
+    for point in sorted({row["point"] for row in rows}):
+        of_point = [row for row in rows if row["point"] == point]
+        combination = {name: of_point[0][name] for name in study.grid}
+        for name in names:
+            values = np.array([row[name] for row in of_point], dtype=float)
+            low, high = interval(values)
+            q1, q3 = np.percentile(values, [25, 75], method="nearest")
+            median = float(np.median(values))
+            found.append(
+                {**combination, "outcome": name, "runs": len(values), "median": median}
+                | {"low": low, "high": high, "q1": float(q1), "q3": float(q3)}
+            )
+    return found
+
+
+def interval(values: Floats) -> tuple[float, float]:
+    """Return the 95 % bootstrap interval of the median, always the same for the same values."""
+    generator = np.random.default_rng(len(values))
+    drawn = generator.integers(len(values), size=(_RESAMPLES, len(values)))
+    # Runs that never aligned are infinite: "nearest" picks one, where others interpolate.
+    medians = np.median(values[drawn], axis=1)
+    tail = 50.0 * (1.0 - CONFIDENCE)
+    low, high = np.percentile(medians, [tail, 100.0 - tail], method="nearest")
+    return float(low), float(high)
+
+
+def write_tables(study: Study, store: Store, folder: Path) -> list[Path]:
+    """Write ``results.csv``, ``results.parquet`` and ``summary.csv``; return the paths.
+
+    Raises
+    ------
+    OutputError
+        Where the folder cannot be written.
+    """
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    rows = finished(study, store)
+    paths = [folder / name for name in ("results.csv", "summary.csv", "results.parquet")]
+    table = pa.Table.from_pylist(rows)
+    about = {b"posflock study": json.dumps(_said(study), sort_keys=True).encode()}
+    try:
+        _replace(paths[0], _as_csv(rows).encode())
+        _replace(paths[1], _as_csv(summary(study, rows)).encode())
+        buffer = io.BytesIO()
+        parquet.write_table(table.replace_schema_metadata(about), buffer)
+        _replace(paths[2], buffer.getvalue())
+    except OSError as error:
+        raise OutputError(f"cannot write tables into {folder}: {error.strerror}") from error
+    return paths
+
+
+def _said(study: Study) -> dict[str, Any]:
+    """Return a study as its file would say it."""
+    return {
+        "experiment": study.experiment.name,
+        "seed": study.seed,
+        "replications": study.replications,
+        "common_random_numbers": study.common_random_numbers,
+        "parameters": dict(study.parameters),
+        "grid": dict(study.grid),
+        "distributions": {name: d.as_dict() for name, d in study.distributions.items()},
+    }
+
+
+def _as_csv(rows: Sequence[Row]) -> str:
+    text = io.StringIO()
+    if rows:
+        writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    return text.getvalue()
+
+
+def _replace(path: Path, content: bytes) -> None:
+    """Write a file so that a reader finds the old or the new one, never half of either."""
+    fresh = path.with_name(path.name + ".new")
+    fresh.write_bytes(content)
+    fresh.replace(path)

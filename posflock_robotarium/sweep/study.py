@@ -1,0 +1,359 @@
+"""A study file: which runs of which experiment.
+
+.. code-block:: toml
+
+    experiment = "freespace"
+    seed = 1                        # of the whole study
+    replications = 20               # of every combination
+    common_random_numbers = true    # replication r starts alike in every combination
+
+    [parameters]                    # fixed
+    duration = 100.0
+
+    [grid]                          # every combination of these
+    model = ["velocity", "position"]
+    position_noise = [0.0, 0.02, 0.05]
+
+    [distributions]                 # drawn anew for every run
+    distance_scale = { uniform = [0.4, 0.55] }
+
+    [[figures]]
+    x = "position_noise"
+    y = "gamma_settled"
+    by = "model"
+
+Every run has a random stream of its own, ``SeedSequence(seed, spawn_key=...)``, whose key
+follows from the run's combination and replication, never from its place in a list: runs
+can be added to a study, and be computed in any order, on any machine, without changing one
+another.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from posflock_robotarium.errors import ParameterError, PosflockError
+from posflock_robotarium.sweep.experiments import Experiment, Value, find
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+
+class StudyError(PosflockError):
+    """A study file asks for something that cannot be run."""
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A picture that a study asks for.
+
+    Attributes
+    ----------
+    x : str
+        Parameter along the axis.
+    y : str
+        Outcome.
+    by : str
+        Parameter that tells curves apart; empty for one curve.
+    """
+
+    x: str
+    y: str
+    by: str = ""
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run of a study.
+
+    Attributes
+    ----------
+    key : str
+        Names the run by everything that decides its result.
+    point : int
+        Number of its combination in the grid, from 0.
+    replication : int
+        From 0.
+    parameters : dict
+        Every parameter of the experiment.
+    stream : SeedSequence
+        What it draws from.
+    """
+
+    key: str
+    point: int
+    replication: int
+    parameters: dict[str, Value]
+    stream: np.random.SeedSequence
+
+
+@dataclass(frozen=True)
+class Study:
+    """What a study file says.
+
+    Attributes
+    ----------
+    experiment : Experiment
+        What is run.
+    seed : int
+        Of the whole study.
+    replications : int
+        Runs of every combination.
+    common_random_numbers : bool
+        Whether replication r of every combination draws from one stream, so that
+        combinations can be compared run by run.
+    parameters : dict
+        Fixed values.
+    grid : dict of str to list
+        Values of which every combination is run.
+    distributions : dict of str to distribution
+        Parameters drawn anew for every run.
+    figures : tuple of Figure
+        Pictures asked for.
+
+    Raises
+    ------
+    StudyError
+        Where a value is outside its range.
+    ParameterError
+        Where a combination is not admissible.
+    """
+
+    experiment: Experiment
+    seed: int = 0
+    replications: int = 10
+    common_random_numbers: bool = False
+    parameters: Mapping[str, Value] = field(default_factory=dict)
+    grid: Mapping[str, list[Value]] = field(default_factory=dict)
+    distributions: Mapping[str, Distribution] = field(default_factory=dict)
+    figures: tuple[Figure, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.replications < 1 or self.seed < 0:
+            raise StudyError(
+                "replications from 1 and a seed from 0 are expected; got"
+                f" {self.replications} and {self.seed}"
+            )
+        places = (*self.parameters, *self.grid, *self.distributions)
+        twice = sorted({name for name in places if places.count(name) > 1})
+        if twice:
+            raise StudyError(
+                f"{', '.join(twice)}: given in two of [parameters], [grid] and [distributions]"
+            )
+        for name, distribution in self.distributions.items():
+            for value in distribution.examples():
+                self.experiment.with_defaults({name: value})
+        for _, parameters in self._points():
+            self.experiment.check(parameters)
+        for figure in self.figures:
+            for name in (figure.x, *([figure.by] if figure.by else [])):
+                if name not in (*self.grid, *self.distributions):
+                    raise StudyError(f"figures: {name!r} is not varied in this study")
+
+    def runs(self) -> list[Run]:
+        """Return every run, combination by combination."""
+        return [
+            self._run(point, combination, parameters, replication)
+            for point, (combination, parameters) in enumerate(self._points())
+            for replication in range(self.replications)
+        ]
+
+    def _points(self) -> list[tuple[dict[str, Value], dict[str, Value]]]:
+        """Return for each combination what was chosen, and all parameters."""
+        chosen = [
+            dict(zip(self.grid, values, strict=True))
+            for values in itertools.product(*self.grid.values())
+        ]
+        return [
+            (combination, self.experiment.with_defaults({**self.parameters, **combination}))
+            for combination in chosen
+        ]
+
+    def _run(
+        self,
+        point: int,
+        combination: dict[str, Value],
+        parameters: dict[str, Value],
+        replication: int,
+    ) -> Run:
+        identity = {
+            "experiment": self.experiment.name,
+            "parameters": parameters,
+            "distributions": {n: d.as_dict() for n, d in self.distributions.items()},
+            "seed": self.seed,
+            "common": self.common_random_numbers,
+            "replication": replication,
+        }
+        key = hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()[:16]
+        spawn_key = (replication,) if self.common_random_numbers else (replication, int(key, 16))
+        drawing, stream = np.random.SeedSequence(self.seed, spawn_key=spawn_key).spawn(2)
+        generator = np.random.default_rng(drawing)
+        drawn = {name: d.draw(generator) for name, d in sorted(self.distributions.items())}
+        return Run(
+            key,
+            point,
+            replication,
+            self.experiment.with_defaults({**self.parameters, **combination, **drawn}),
+            stream,
+        )
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """How a parameter is drawn.
+
+    Attributes
+    ----------
+    kind : {"uniform", "loguniform", "normal", "choice"}
+        Uniform, and uniform in the logarithm, from low to high; normal with mean and
+        standard deviation; or any of a list.
+    arguments : tuple
+        Two numbers, or the list to choose from.
+    """
+
+    kind: str
+    arguments: tuple[Value, ...]
+
+    def __post_init__(self) -> None:
+        if self.kind not in _DRAWS:
+            raise StudyError(
+                f"distributions: expected one of {', '.join(_DRAWS)}; got {self.kind!r}"
+            )
+        if self.kind == "choice":
+            if not self.arguments:
+                raise StudyError("choice: expected a list of at least one value, got none")
+            return
+        numbers = [a for a in self.arguments if isinstance(a, (int, float))]
+        if len(numbers) != 2 or len(self.arguments) != 2:
+            raise StudyError(f"{self.kind}: expected two numbers, got {list(self.arguments)}")
+        first, second = numbers
+        if self.kind == "normal" and second < 0.0:
+            raise StudyError(f"normal: expected a deviation of zero or more, got {second}")
+        if self.kind != "normal" and not first <= second:
+            raise StudyError(f"{self.kind}: expected low ≤ high, got {first} and {second}")
+        if self.kind == "loguniform" and first <= 0.0:
+            raise StudyError(f"loguniform: expected numbers above zero, got {first}")
+
+    def as_dict(self) -> dict[str, list[Value]]:
+        """Return the distribution as a study file writes it."""
+        return {self.kind: list(self.arguments)}
+
+    def examples(self) -> tuple[Value, ...]:
+        """Return values of every type that may be drawn."""
+        return self.arguments if self.kind == "choice" else (0.5,)
+
+    def draw(self, generator: np.random.Generator) -> Value:
+        """Draw one value."""
+        return _DRAWS[self.kind](generator, self.arguments)
+
+
+_DRAWS: dict[str, Callable[[np.random.Generator, Any], Value]] = {
+    "uniform": lambda generator, a: float(generator.uniform(a[0], a[1])),
+    "loguniform": lambda generator, a: float(np.exp(generator.uniform(np.log(a[0]), np.log(a[1])))),
+    "normal": lambda generator, a: float(generator.normal(a[0], a[1])),
+    "choice": lambda generator, a: a[int(generator.integers(len(a)))],
+}
+
+
+def read_study(path: Path) -> Study:
+    """Read a study file.
+
+    Parameters
+    ----------
+    path : Path
+        A TOML file.
+
+    Raises
+    ------
+    StudyError
+        Where the file cannot be read, is not TOML, or has an unknown key or a wrong value;
+        the message names the file.
+    """
+    try:
+        said = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise StudyError(f"cannot read {path}: {error.strerror}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise StudyError(f"{path} is not TOML: {error}") from error
+    try:
+        return parse_study(said)
+    except (StudyError, ParameterError) as error:
+        raise StudyError(f"{path}: {error}") from error
+
+
+def parse_study(said: Mapping[str, Any]) -> Study:
+    """Make a study of what a study file says; unknown keys are refused.
+
+    Parameters
+    ----------
+    said : dict
+        The file's contents.
+
+    Raises
+    ------
+    StudyError, ParameterError
+        Naming the key, what was got and what was expected.
+    """
+    shapes = {"experiment": str, "seed": int, "replications": int, "common_random_numbers": bool}
+    tables = ("parameters", "grid", "distributions")
+    _refuse_unknown(said, (*shapes, *tables, "figures"), "a study")
+    for name, kind in shapes.items():
+        if name in said and type(said[name]) is not kind:
+            raise StudyError(f"{name}: expected {kind.__name__}, got {said[name]!r}")
+    if "experiment" not in said:
+        raise StudyError('experiment: expected a name such as "freespace", got none')
+    for name in tables:
+        if not isinstance(said.get(name, {}), dict):
+            raise StudyError(f"[{name}]: expected a table, got {said[name]!r}")
+    for name, values in said.get("grid", {}).items():
+        if not isinstance(values, list) or not values:
+            raise StudyError(f"grid.{name}: expected a list of at least one value, got {values!r}")
+        if len(set(map(repr, values))) < len(values):
+            raise StudyError(f"grid.{name}: a value is listed twice in {values!r}")
+    return Study(
+        experiment=find(said["experiment"]),
+        parameters=said.get("parameters", {}),
+        grid=said.get("grid", {}),
+        distributions={n: _distribution(n, d) for n, d in said.get("distributions", {}).items()},
+        figures=tuple(_figure(figure) for figure in said.get("figures", ())),
+        **{name: said[name] for name in shapes if name != "experiment" and name in said},
+    )
+
+
+def _distribution(name: str, said: Any) -> Distribution:
+    if not isinstance(said, dict) or len(said) != 1:
+        raise StudyError(
+            f"distributions.{name}: expected one distribution such as"
+            f" {{ uniform = [0.0, 1.0] }}, got {said!r}"
+        )
+    ((kind, arguments),) = said.items()
+    if not isinstance(arguments, list):
+        raise StudyError(f"distributions.{name}: expected a list for {kind}, got {arguments!r}")
+    return Distribution(kind, tuple(arguments))
+
+
+def _figure(said: Any) -> Figure:
+    if not isinstance(said, dict):
+        raise StudyError(f"figures: expected tables [[figures]], got {said!r}")
+    _refuse_unknown(said, ("x", "y", "by"), "a figure")
+    for name in ("x", "y"):
+        if not isinstance(said.get(name), str):
+            raise StudyError(f"figures.{name}: expected a name, got {said.get(name)!r}")
+    return Figure(said["x"], said["y"], said.get("by", ""))
+
+
+def _refuse_unknown(said: Mapping[str, Any], known: tuple[str, ...], what: str) -> None:
+    unknown = sorted(set(said) - set(known))
+    if unknown:
+        raise StudyError(f"{', '.join(unknown)}: not part of {what}; expected {', '.join(known)}")
