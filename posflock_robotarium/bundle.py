@@ -30,12 +30,12 @@ from posflock_robotarium.verify.static import Source, files_read
 
 MANIFEST, INSTRUCTIONS = "MANIFEST", "SUBMIT.md"
 
-_AS_PACKAGE = '''\
+_AS_PACKAGE = """\
 # Added by `posflock bundle`: this module is a package whose submodules lie beside it.
 __path__ = [__import__("os").path.dirname(__import__("os").path.abspath(__file__))]
 __package__ = __name__
 __spec__.submodule_search_locations = __path__
-'''
+"""
 
 
 class BundleError(PosflockError):
@@ -162,9 +162,7 @@ def _flat_modules(script: Path, found: import_graph.Trace) -> dict[str, bytes]:
         owners["main.py"] = "the main file, which the testbed runs as main.py"
     packages = {local.name for local in found.locals if local.is_package}
     modules = [(local.name, local.path) for local in found.locals]
-    without_file = {
-        name.rpartition(".")[0] for name, _ in modules if "." in name
-    } - packages
+    without_file = {name.rpartition(".")[0] for name, _ in modules if "." in name} - packages
     for name, path in [*modules, *((name, None) for name in sorted(without_file))]:
         flat = name.rpartition(".")[2] + ".py"
         hidden = testbed.shadowed_by(flat[:-3])

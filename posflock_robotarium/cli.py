@@ -5,8 +5,9 @@ import sys
 import typer
 
 from posflock_robotarium import __version__
-from posflock_robotarium.commands import run
+from posflock_robotarium.commands import paper, report, run, sweep, verify
 from posflock_robotarium.errors import PosflockError
+from rps_compat.errors import RobotariumError
 
 app = typer.Typer(
     name="posflock",
@@ -34,17 +35,30 @@ def _posflock(
     """Simulate, verify, deploy and report Robotarium experiments."""
 
 
-# Each family of commands is registered here, in the order a researcher meets them.
+# Each family of commands is registered here, in the order a researcher meets them; help shows
+# them under these headings.
 # What comes after a script's name is the script's own.
 SCRIPT_ARGUMENTS = {"allow_extra_args": True, "allow_interspersed_args": False}
-app.command(context_settings=SCRIPT_ARGUMENTS)(run.run)
-app.command()(run.lint)
+_WRITE, _SUBMIT, _ANALYSE, _STUDY = (
+    "Write and run",
+    "Submit",
+    "Analyse what came back",
+    "Study",
+)
+app.command(rich_help_panel=_WRITE, context_settings=SCRIPT_ARGUMENTS)(run.run)
+app.command(rich_help_panel=_WRITE)(run.lint)
+app.command(rich_help_panel=_SUBMIT)(verify.verify)
+app.command(rich_help_panel=_SUBMIT)(verify.profile)
+for _command in (report.report, report.compare, report.replay, report.convert):
+    app.command(rich_help_panel=_ANALYSE)(_command)
+app.command(rich_help_panel=_STUDY)(paper.reproduce)
+app.command(rich_help_panel=_STUDY)(sweep.sweep)
 
 
 def main() -> None:
     """Run the command line; an error the user can mend is one plain line and exit code 2."""
     try:
         app()
-    except PosflockError as error:
+    except (PosflockError, RobotariumError) as error:
         typer.echo(f"posflock: {error}", err=True)
         sys.exit(2)

@@ -28,7 +28,11 @@ from scipy.sparse.csgraph import connected_components as _components
 
 from posflock_robotarium.errors import ParameterError
 from posflock_robotarium.law import displacements, neighbours
-from posflock_robotarium.neighbour_search import TREE_FROM_AGENTS, nearest_distances, neighbour_pairs
+from posflock_robotarium.neighbour_search import (
+    TREE_FROM_AGENTS,
+    nearest_distances,
+    neighbour_pairs,
+)
 
 Floats = NDArray[np.float64]
 

@@ -234,9 +234,7 @@ def _run(
         room.plan("killed", kill_at=float(moments[1]), longest=longest),
         room.plan("drive", initial="drive", stop_after=1, longest=longest),
         *(
-            room.plan(
-                f"trial-{k:03d}", profile, initial="arrive", seed=seed + k, longest=longest
-            )
+            room.plan(f"trial-{k:03d}", profile, initial="arrive", seed=seed + k, longest=longest)
             for k in range(trials)
         ),
     ]
@@ -330,7 +328,9 @@ def ablate(
                 sum(o.close_pairs > 0 for o in own),
                 sum(o.outside_steps > 0 for o in own),
                 sum(o.ended not in ("finished", "over-time") for o in own),
-                min((o.smallest_gap["metres"] for o in own if o.smallest_gap), default=float("nan")),
+                min(
+                    (o.smallest_gap["metres"] for o in own if o.smallest_gap), default=float("nan")
+                ),
             )
         )
     return out
