@@ -77,11 +77,10 @@ def _throw(
     """Place robots one by one; None where one finds no room."""
     placed = np.empty((2, robots))
     for k in range(robots):
-        for candidate in rng.uniform(-side / 2.0, side / 2.0, (_THROWS, 2)):
-            apart = placed[:, :k] - candidate[:, None]
-            if (np.square(apart).sum(axis=0) >= spacing**2).all():
-                placed[:, k] = candidate
-                break
-        else:
+        candidates = rng.uniform(-side / 2.0, side / 2.0, (_THROWS, 2))
+        apart = candidates[:, :, None] - placed[:, :k]
+        free = (np.square(apart).sum(axis=1) >= spacing**2).all(axis=1)
+        if not free.any():
             return None
+        placed[:, k] = candidates[free.argmax()]
     return placed

@@ -16,6 +16,7 @@ from types import ModuleType
 from typing import Literal
 
 from rps_compat.errors import RobotariumError
+from rps_compat.session import Session, use
 
 Api = Literal[1, 2]
 
@@ -59,11 +60,18 @@ def installed() -> Api | None:
     return next((f.api for f in sys.meta_path if isinstance(f, _Finder)), None)
 
 
-def install(api: int = 2) -> None:
+def install(api: int = 2, session: Session | None = None) -> None:
     """Make ``import rps`` mean generation `api` in this process, from the next import on.
 
     Modules of another generation, or of another simulator, that were imported as ``rps`` before
     are forgotten; names that were already taken from them stay what they were.
+
+    Parameters
+    ----------
+    api
+        Generation 1 or 2.
+    session
+        How instances are built from now on; None leaves that as it is.
 
     Raises
     ------
@@ -81,6 +89,8 @@ def install(api: int = 2) -> None:
     """
     if api not in (1, 2):
         raise UnknownGenerationError(f"api={api!r}: the generations of the API are 1 and 2")
+    if session is not None:
+        use(session)
     uninstall()
     sys.meta_path.insert(0, _Finder(1 if api == 1 else 2))
     importlib.invalidate_caches()

@@ -108,6 +108,12 @@ class Session:
 _current = Session()
 
 
+def use(session: Session) -> None:
+    """Let `session` build the instances from now on; what is active in a block stays."""
+    global _current
+    _current = session
+
+
 def current() -> Session:
     """Session that is active; by default everything as published, and ideal."""
     return _current
