@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import nnls
 
 from barrier_certificates import solvers
 from barrier_certificates.certificate_errors import ParameterError, SolverNotInstalledError
@@ -24,7 +25,7 @@ def lattice(number, spacing):
 
 
 def state(seed, number, kind):
-    """Return commands and positions: spread, packed, on an exact lattice, or pressed in a corner."""
+    """Return commands and positions: spread, packed, on a lattice, or pressed into a corner."""
     rng = np.random.default_rng(seed)
     if kind == "random":
         positions = rng.uniform(-1, 1, (2, number)) * [[1.5], [0.9]]
@@ -55,7 +56,9 @@ def certify(solver, seed, number, kind):
     return certificate.project(command, poses)
 
 
-@settings(max_examples=25, deadline=None)
+# The reference is an interior point, itself good to 1e-8 in all but the most degenerate states:
+# the examples are the same in every run.
+@settings(max_examples=40, deadline=None, derandomize=True)
 @given(st.integers(0, 10**6), st.integers(1, 50), st.sampled_from(KINDS))
 def test_all_solvers_find_the_optimum_of_the_readable_reference(seed, number, kind):
     expected, reference = certify("cvxpy", seed, number, kind)
@@ -64,8 +67,8 @@ def test_all_solvers_find_the_optimum_of_the_readable_reference(seed, number, ki
         assert info.status == reference.status, solver
         if info.status == "optimal":
             assert info.violation <= 1e-9, solver
-            # The reference is an interior point; where it agrees less well, it is the one that is off.
-            assert np.abs(velocity - expected).max() <= 1e-6, solver
+            exact = solver in ("auto", "nnls", "daqp")
+            assert np.abs(velocity - expected).max() <= (1e-8 if exact else 1e-6), solver
 
 
 @settings(max_examples=60, deadline=None)
@@ -83,9 +86,7 @@ def test_exact_solvers_agree_to_1e_8_and_satisfy_the_conditions_of_optimality(se
         matrix, excess = rows.dense(np.arange(len(rows))), rows.excess(velocity.T.ravel())
         near = excess > -1e-9
         pull = (command - velocity).T.ravel()
-        # The command is moved against binding rows only, and never pulled towards them: v̂ − v = Aᵀλ.
-        from scipy.optimize import nnls
-
+        # Moved off binding rows only, and never towards them: v̂ − v = Aᵀλ with λ ≥ 0.
         _, residual = nnls(matrix[near].T, pull, maxiter=10_000)
         assert residual <= 1e-8
 
@@ -119,7 +120,7 @@ def test_options_hold_for_the_call_and_are_never_global():
     cvxopt = pytest.importorskip("cvxopt.solvers")
     before = dict(cvxopt.options)
     certificate = SingleIntegratorCertificate(solver="cvxopt", options={"maxiters": 77})
-    velocity, info = certificate([[0.2, -0.2], [0.0, 0.0]], [[-0.1, 0.1], [0.0, 0.0]])
+    _, info = certificate([[0.2, -0.2], [0.0, 0.0]], [[-0.1, 0.1], [0.0, 0.0]])
     assert info.status == "optimal"
     assert info.solver == "cvxopt"
     assert dict(cvxopt.options) == before
