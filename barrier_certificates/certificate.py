@@ -18,7 +18,7 @@ from barrier_certificates.limits import LimitRows
 from barrier_certificates.obstacles import Obstacle, ObstacleRows
 from barrier_certificates.pairs import PairRows
 from barrier_certificates.projection import Policy, ProjectionInfo, Projector
-from barrier_certificates.rowbook import RowBook
+from barrier_certificates.rowbook import Margin, RowBook
 from barrier_certificates.rows import Family, FloatArray, Scene
 from barrier_certificates.walls import WallRows, polygon, rectangle
 
@@ -155,6 +155,10 @@ class Certificate(ABC, Generic[Parameters]):
         else:
             self._obstacles = moved
             self._build()
+
+    def _margins(self, scene: Scene, within: float) -> list[Margin]:
+        checks.not_negative("within", within, "of metres")
+        return self._book.margins(scene, within)
 
     def reset(self) -> None:
         """Forget the steps so far: which rows bound, and for how long robots have been held."""

@@ -78,6 +78,10 @@ class LimitRows:
             np.matmul(self._turned[1], scene.headings, out=coefficient[1].reshape(shape))
         return NOTHING_NEAR
 
+    def measure(self, scene: Scene) -> tuple[FloatArray, FloatArray]:
+        """Return nothing: limits have no barrier."""
+        return np.zeros(0), np.zeros(0)
+
     def label(self, number: int, row: int) -> str:
         """Say which robot and which limit."""
         return f"robot {row % number}: {self.names[row // number]}"

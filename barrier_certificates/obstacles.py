@@ -134,11 +134,7 @@ class ObstacleRows:
 
     def update(self, scene: Scene, coefficient: FloatArray, bound: FloatArray) -> Barrier:
         """Write the rows for the present positions."""
-        from_start = scene.positions[:, None, :] - self._start
-        part = (from_start * self._along).sum(axis=0) * self._inverse_square
-        np.clip(part, 0.0, 1.0, out=part)
-        offset = from_start - part * self._along
-        square = (offset * offset).sum(axis=0)
+        offset, square = self._offsets(scene)
         if square.min() < COINCIDENT**2:
             square = self._leave(offset, square)
         h = square - self._distance**2
@@ -151,6 +147,20 @@ class ObstacleRows:
             robots = np.tile(np.arange(scene.positions.shape[1]), len(self.names))
             bound -= self.disturbance.worst(scene, robots, coefficient[:2])
         return Barrier(float(h.min()), float((distance - self._distance).min()))
+
+    def measure(self, scene: Scene) -> tuple[FloatArray, FloatArray]:
+        """Return ‖D‖² − R² in m² and ‖D‖ − R in m of each row."""
+        _, square = self._offsets(scene)
+        h, clearance = square - self._distance**2, np.sqrt(square) - self._distance
+        return h.reshape(-1), clearance.reshape(-1)
+
+    def _offsets(self, scene: Scene) -> tuple[FloatArray, FloatArray]:
+        """Return D from the nearest points to the robots, (2, M, N), and ‖D‖², (M, N)."""
+        from_start = scene.positions[:, None, :] - self._start
+        part = (from_start * self._along).sum(axis=0) * self._inverse_square
+        np.clip(part, 0.0, 1.0, out=part)
+        offset = from_start - part * self._along
+        return offset, (offset * offset).sum(axis=0)
 
     def _leave(self, offset: FloatArray, square: FloatArray) -> FloatArray:
         """Give robots in the very middle of an obstacle a way out: to the side of its segment."""

@@ -81,6 +81,12 @@ class PairRows:
             bound -= self.disturbance.worst(scene, second, coefficient[2:])
         return Barrier(smallest, math.sqrt(nearest) - self.radius)
 
+    def measure(self, scene: Scene, pairs: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Return ‖D‖² − r² in m² and ‖D‖ − r in m of the given pairs (2, m)."""
+        offset = scene.positions[:, pairs[0]] - scene.positions[:, pairs[1]]
+        square = (offset * offset).sum(axis=0)
+        return square - self.radius**2, np.sqrt(square) - self.radius
+
     def reach(self, speed: float) -> float:
         """Distance (m) beyond which no two robots of at most ``speed`` m/s can break their row."""
         if not (self.gain > 0.0 and math.isfinite(speed)):

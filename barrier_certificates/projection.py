@@ -31,7 +31,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from barrier_certificates import solvers
+from barrier_certificates import checks, solvers
 from barrier_certificates.active_set import guess
 from barrier_certificates.certificate_errors import (
     InfeasibleError,
@@ -171,11 +171,13 @@ class Projector:
             raise ShapeError(
                 f"commands have shape {desired.shape}, but the rows are for (2, {rows.size // 2})"
             )
+        if not checks.finite(desired):
+            return self.refuse(desired)
         target = desired.T.reshape(-1)
         excess = rows.excess(target)
         worst = float(excess[excess.argmax()]) if excess.shape[0] else 0.0
-        if not (math.isfinite(worst) and math.isfinite(float(np.add.reduce(target)))):
-            return self._not_finite(desired)
+        if not math.isfinite(worst):
+            return self.refuse(desired)
         if worst <= TOLERANCE:
             self._warm = _NO_ROWS
             return desired.copy(), ProjectionInfo("trivial", max(worst, 0.0), rows=rows)
@@ -267,7 +269,7 @@ class Projector:
         """Do what the policy says where no velocity satisfies all rows."""
         self._warm = _NO_ROWS
         if self.on_infeasible == "raise":
-            furthest = np.argsort(excess)[-3:][::-1]
+            furthest = [k for k in np.argsort(-excess)[:3] if excess[k] > TOLERANCE]
             named = "; ".join(f"{rows.label(int(k))} ({excess[k]:.3g} m/s)" for k in furthest)
             raise InfeasibleError(
                 f"no velocity satisfies all {len(rows)} rows; the command breaks most: {named}. "
@@ -305,8 +307,14 @@ class Projector:
         info.binding = (working & (softened.excess(point) > -_BINDS)).nonzero()[0]
         return velocity
 
-    def _not_finite(self, desired: FloatArray) -> tuple[FloatArray, ProjectionInfo]:
-        """Stop everybody: a command or pose that is not a number says nothing about safety."""
+    def refuse(self, desired: FloatArray) -> tuple[FloatArray, ProjectionInfo]:
+        """Stop everybody: a command or pose that is not a number says nothing about safety.
+
+        Raises
+        ------
+        NotFiniteError
+            If the policy is ``"raise"``.
+        """
         self._warm = _NO_ROWS
         if self.on_infeasible == "raise":
             raise NotFiniteError("poses or commands hold NaN or infinity; expected finite numbers")

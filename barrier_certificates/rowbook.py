@@ -9,15 +9,35 @@ not even looked at; a k-d tree finds the others.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from barrier_certificates.pairs import PairRows
-from barrier_certificates.rows import WORLD, Barrier, Family, IntArray, Rows, Scene
+from barrier_certificates.rows import WORLD, Barrier, Family, FloatArray, IntArray, Rows, Scene
 
 _DENSE_UP_TO = 20_000  # entries; beyond, a dense matrix besides costs more than it saves
+
+
+class Margin(NamedTuple):
+    """How far something is from being unsafe.
+
+    Attributes
+    ----------
+    what : str
+        ``"robots 3 and 7"``, ``"robot 0 and wall +x"``, …
+    h : float
+        Its barrier: m² for pairs and obstacles, m for walls.
+    clearance : float
+        The same in metres.
+    """
+
+    what: str
+    h: float
+    clearance: float
 
 
 class RowBook:
@@ -71,6 +91,23 @@ class RowBook:
             h, clearance = min(h, barrier.h), min(clearance, barrier.clearance)
         self._rows.refresh()
         return self._rows, Barrier(h, clearance)
+
+    def margins(self, scene: Scene, within: float) -> list[Margin]:
+        """Return what is closer than ``within`` (m) to being unsafe, the closest first."""
+        number = scene.positions.shape[1]
+        found: list[Margin] = []
+
+        def collect(label: Callable[[int], str], h: FloatArray, clearance: FloatArray) -> None:
+            for row in np.flatnonzero(clearance <= within):
+                found.append(Margin(label(int(row)), float(h[row]), float(clearance[row])))
+
+        for family in self.families:
+            collect(partial(family.label, number), *family.measure(scene))
+        if self.pairs is not None and number > 1:
+            tree = cKDTree(scene.positions.T)
+            pairs = tree.query_pairs(self.pairs.radius + within, output_type="ndarray").T
+            collect(_labeller(str, 0, pairs), *self.pairs.measure(scene, pairs))
+        return sorted(found, key=lambda margin: margin.clearance)
 
     def _lay_out(self, number: int) -> None:
         """Allocate for this number of robots, and write what does not change."""

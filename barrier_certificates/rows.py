@@ -210,6 +210,9 @@ class Family(Protocol):
     def update(self, scene: Scene, coefficient: FloatArray, bound: FloatArray) -> Barrier:
         """Write what changes with the scene; return the smallest barrier of the family."""
 
+    def measure(self, scene: Scene) -> tuple[FloatArray, FloatArray]:
+        """Return barrier and clearance of each row; empty where the family has no barrier."""
+
     def label(self, number: int, row: int) -> str:
         """Say what the row stands for."""
 

@@ -13,6 +13,7 @@ from barrier_certificates.deadlock import DeadlockParameters
 from barrier_certificates.limits import LimitRows, VelocityPolygon
 from barrier_certificates.obstacles import Obstacle
 from barrier_certificates.projection import Policy, ProjectionInfo
+from barrier_certificates.rowbook import Margin
 from barrier_certificates.rows import FloatArray, Scene
 
 
@@ -127,4 +128,18 @@ class SingleIntegratorCertificate(Certificate[SingleIntegratorParameters]):
         desired = checks.columns("commands", desired, 2)
         positions = checks.columns("positions", positions, 2)
         checks.same_number(desired, positions)
+        if not checks.finite(desired, positions):
+            return self._projector.refuse(desired)
         return self._certify(desired, Scene(positions))
+
+    def margins(self, positions: Any, within: float = 0.1) -> list[Margin]:
+        """Return every pair, wall and obstacle that is near to being unsafe, the nearest first.
+
+        Parameters
+        ----------
+        positions : (2, N) array
+            Positions, m.
+        within : float
+            Leave out what is clear by more than this, m.
+        """
+        return self._margins(Scene(checks.columns("positions", positions, 2)), within)

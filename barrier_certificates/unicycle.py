@@ -25,6 +25,7 @@ from barrier_certificates.disturbance import WheelDisturbance
 from barrier_certificates.limits import LimitRows, unicycle_polygon
 from barrier_certificates.obstacles import Obstacle
 from barrier_certificates.projection import Policy, ProjectionInfo
+from barrier_certificates.rowbook import Margin
 from barrier_certificates.rows import FloatArray, Scene
 
 
@@ -180,6 +181,8 @@ wheel_disturbance
         desired = checks.columns("commands", desired, 2)
         poses = checks.columns("poses", poses, 3)
         checks.same_number(desired, poses)
+        if not checks.finite(desired, poses):
+            return self._projector.refuse(desired)
         return self._certify(desired, self._scene(poses))
 
     def __call__(self, desired: Any, poses: Any) -> tuple[FloatArray, ProjectionInfo]:
@@ -211,6 +214,8 @@ wheel_disturbance
         desired = checks.columns("commands", desired, 2)
         poses = checks.columns("poses", poses, 3)
         checks.same_number(desired, poses)
+        if not checks.finite(desired, poses):
+            return self._projector.refuse(desired)
         scene = self._scene(poses)
         assert scene.headings is not None
         cos, sin = scene.headings
@@ -227,6 +232,18 @@ wheel_disturbance
         commands[0] = x * cos + y * sin
         commands[1] = (y * cos - x * sin) / distance
         return commands, info
+
+    def margins(self, poses: Any, within: float = 0.1) -> list[Margin]:
+        """Return every pair, wall and obstacle that is near to being unsafe, the nearest first.
+
+        Parameters
+        ----------
+        poses : (3, N) array
+            Poses of the robots, m and rad; margins are those of their projection points.
+        within : float
+            Leave out what is clear by more than this, m.
+        """
+        return self._margins(self._scene(checks.columns("poses", poses, 3)), within)
 
     def _scene(self, poses: FloatArray) -> Scene:
         """Return where the projection points are, and the headings."""

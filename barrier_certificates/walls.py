@@ -73,6 +73,11 @@ class WallRows:
         smallest = float(gap[gap.argmin()])
         return Barrier(smallest, smallest)
 
+    def measure(self, scene: Scene) -> tuple[FloatArray, FloatArray]:
+        """Return the gap to each wall twice: it is barrier and clearance in one, m."""
+        gap = (self._inner - self._outward @ scene.positions).reshape(-1)
+        return gap, gap
+
     def label(self, number: int, row: int) -> str:
         """Say which robot and which wall."""
         return f"robot {row % number} and {self.names[row // number]}"

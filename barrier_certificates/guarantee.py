@@ -1,0 +1,69 @@
+r"""What a certificate guarantees, and what of that is left when time comes in steps.
+
+In continuous time, ``ḣ ≥ −γ h³`` with ``h(0) ≥ 0`` keeps ``h ≥ 0`` for ever: near zero the right
+side vanishes faster than h. A controller acts in steps of dt, and over one step of constant
+velocity a pair's ``h`` becomes at least ``h − dt γ h³ = h (1 − γ dt h²)``. So
+
+    γ · dt · h² ≤ 1
+
+keeps ``h ≥ 0`` over the step. It is needed only for those ``h`` at which a pair could close within
+one step at all: two robots of speed s that are further than ``r + 2 s dt`` apart cannot. Hence a
+largest gain, far above any in use at the testbed's 0.033 s.
+
+The guarantee is for velocities that are *executed as certified*. Clipping them afterwards, a delay,
+wheels that slip and poses measured with an error all void it; so does the arc that a projection
+point moves on while its robot turns (`turning_error`), which a margin in the radius has to cover.
+"""
+
+from __future__ import annotations
+
+import math
+
+from barrier_certificates import checks
+
+
+def largest_gain(safety_radius: float, top_speed: float, time_step: float) -> float:
+    """Return the largest γ that keeps pairs safe in steps.
+
+    Parameters
+    ----------
+    safety_radius : float
+        Smallest distance between two positions, m.
+    top_speed : float
+        No robot is faster, m/s.
+    time_step : float
+        Time for which a velocity is held, s.
+
+    Examples
+    --------
+    >>> round(largest_gain(0.15, 0.2, 0.033))
+    1772943
+    """
+    checks.positive("safety_radius", safety_radius, "of metres")
+    checks.positive("top_speed", top_speed, "of m/s")
+    checks.positive("time_step", time_step, "of seconds")
+    reachable = (safety_radius + 2.0 * top_speed * time_step) ** 2 - safety_radius**2
+    return 1.0 / (time_step * reachable**2)
+
+
+def largest_wall_gain(top_speed: float, time_step: float) -> float:
+    """Return the largest γ that keeps robots inside straight walls in steps; see `largest_gain`."""
+    checks.positive("top_speed", top_speed, "of m/s")
+    checks.positive("time_step", time_step, "of seconds")
+    return 1.0 / (0.4 * time_step * (top_speed * time_step) ** 2)
+
+
+def turning_error(projection_distance: float, turn_rate: float, time_step: float) -> float:
+    """Return how far a projection point strays from its straight step while its robot turns, m.
+
+    A step turns the heading by ω dt, so the point ends on an arc: ``d (1 − cos ω dt)`` behind.
+
+    Examples
+    --------
+    >>> f"{1e6 * turning_error(0.05, 0.55, 0.033):.1f} micrometres"
+    '8.2 micrometres'
+    """
+    checks.positive("projection_distance", projection_distance, "of metres")
+    checks.not_negative("turn_rate", turn_rate, "of rad/s")
+    checks.positive("time_step", time_step, "of seconds")
+    return projection_distance * (1.0 - math.cos(turn_rate * time_step))
