@@ -92,7 +92,7 @@ def lint(
         int, typer.Option(min=0, max=2, help="2 rewrites the script for generation 2.")
     ] = 0,
     out: Annotated[
-        Optional[Path],
+        Path | None,
         typer.Option("-o", "--out", help="File for the rewritten script. Default: the terminal."),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the findings as JSON.")] = False,
