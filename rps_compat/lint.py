@@ -222,7 +222,7 @@ class _Names:
         if not known and node.attr != "call_at_scripts_end":
             return
         end = self._text.end(node)
-        edits = (Edit(end - len(node.attr), end, new),)
+        edits: tuple[Edit, ...] = (Edit(end - len(node.attr), end, new),)
         message = _renamed(node.attr, new)
         if node.attr in _DIFFERENT_MEANING:
             message, edits = f"{message}; {_DIFFERENT_MEANING[node.attr]}", ()

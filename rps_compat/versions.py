@@ -2,7 +2,6 @@
 
 import ast
 import io
-import sys
 import tokenize
 from collections.abc import Iterator
 from typing import Any
@@ -165,7 +164,7 @@ def _later_syntax(tree: ast.Module) -> Iterator[Report]:
 
 def _later_strings(source: bytes) -> Iterator[Report]:
     """Find strings within f-strings that use the f-string's own quotes, new in Python 3.12."""
-    if sys.version_info < (3, 12):  # older Pythons refuse such a script themselves
+    if not hasattr(tokenize, "FSTRING_START"):  # older Pythons refuse such a script themselves
         return
     quotes: list[str] = []
     for token in tokenize.tokenize(io.BytesIO(source).readline):
