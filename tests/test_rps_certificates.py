@@ -4,13 +4,15 @@ import warnings
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from rps_compat import deviations
 from rps_compat.arguments import NotAnArrayError, NumberError, ShapeError
 from rps_compat.certificates import BoundaryError, NotFiniteError
 from rps_compat.placement import CrowdedError
-from rps_compat.v1.utilities import barrier_certificates as first, barrier_certificates2 as older
+from rps_compat.v1.utilities import barrier_certificates as first
+from rps_compat.v1.utilities import barrier_certificates2 as older
 from rps_compat.v2.utilities import barrier_certificates as second
 
 cvxopt = pytest.importorskip("cvxopt")
@@ -415,9 +417,9 @@ def test_boundaries_that_are_none_are_refused_at_the_call(points):
 
 
 def test_generation_1_refuses_what_its_robots_cannot_keep():
-    with pytest.raises(NumberError, match="safety_radius is 0.1, expected a number >= 0.12"):
+    with pytest.raises(NumberError, match=r"safety_radius is 0\.1, expected a number >= 0\.12"):
         first.create_single_integrator_barrier_certificate(safety_radius=0.1)
-    with pytest.raises(NumberError, match="magnitude_limit is 0.3, expected .* <= 0.2"):
+    with pytest.raises(NumberError, match=r"magnitude_limit is 0\.3, expected .* <= 0\.2"):
         first.create_unicycle_barrier_certificate(magnitude_limit=0.3)
     commands, poses = facing_pair()
     with pytest.raises(NumberError, match="dxi holds float32"):

@@ -6,7 +6,8 @@ import pytest
 from rps_compat import controllers, deviations, kinematics
 from rps_compat.arguments import NotAnArrayError, NumberError, ShapeError
 from rps_compat.v1.utilities import controllers as first
-from rps_compat.v2.utilities import controllers as second, misc as second_misc
+from rps_compat.v2.utilities import controllers as second
+from rps_compat.v2.utilities import misc as second_misc
 
 DT = 0.033
 
@@ -160,7 +161,7 @@ class TestHybridMemory:
     def test_generation_1_refuses_a_negative_epsilon_once_it_matters(self):
         controller = first.create_hybrid_unicycle_pose_controller(position_epsilon=-0.02)
         states = np.array([[-0.06, -0.5], [0.0, 0.0], [0.0, 0.0]])
-        with pytest.raises(first.HysteresisError, match="robot 0 is 0.06 m from its goal"):
+        with pytest.raises(first.HysteresisError, match=r"robot 0 is 0\.06 m from its goal"):
             controller(states, np.zeros((3, 2)))
 
 
