@@ -437,3 +437,16 @@ def test_the_private_solver_that_scripts_find():
     rows, bounds = np.array([[1.0, 0, 0, 0], [1, 0, -1, 0]]), np.array([0.5, 1.0])
     answer = second._solve_qp(2, np.array([1.0, 0, -1, 0]), rows, bounds)
     np.testing.assert_allclose(answer, [[0.5, -0.5], [0, 0]], atol=1e-9)
+
+
+def test_robots_may_have_to_part_faster_than_any_robot():
+    rng = np.random.default_rng(4)
+    x = rng.uniform(-0.3, 0.3, (2, 12))
+    velocities = rng.normal(0, 0.1, (2, 12))
+    certificate = first.create_single_integrator_barrier_certificate2()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        safe = certificate(velocities, x)
+    assert np.abs(safe).max() > 100
+    optimum = Program(x, clipped(velocities, 0.2)).pairs(0.17, 100, 1e6).solve()
+    np.testing.assert_allclose(safe, optimum, atol=1e-4, rtol=1e-6)

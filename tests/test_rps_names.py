@@ -114,3 +114,9 @@ def test_deviations_switch_back_after_the_block():
         assert deviations.as_published(name)
         assert not deviations.as_published("wrong shapes")
     assert not deviations.as_published(name)
+
+
+def test_every_deviation_stands_in_the_documentation():
+    page = (Path(__file__).parents[1] / "docs" / "utilities.md").read_text(encoding="utf-8")
+    for name, deviation in deviations.DEVIATIONS.items():
+        assert f"| {name} ({deviation.generation}) |" in page
