@@ -84,7 +84,7 @@ def count(name: str, value: Any, *, least: int = 1) -> None:
     NumberError
         Not an ``int``, or too small.
     """
-    if not isinstance(value, int) or value < least:
+    if not isinstance(value, int) or isinstance(value, bool) or value < least:
         raise NumberError(
             f"{name} is {value!r} ({type(value).__name__}), expected an int >= {least}"
         )

@@ -30,6 +30,10 @@ from rps_compat.errors import RobotariumError
 from rps_compat.kinematics import Array
 
 
+#: Rows that ask for more than this are solved in a larger unit (m/s).
+FAST = 10.0
+
+
 class BoundaryError(RobotariumError, AssertionError, IndexError, TypeError, ValueError):
     """``boundary_points`` are not x_min, x_max, y_min and y_max."""
 
@@ -155,7 +159,7 @@ class PointCertificate:
         """
         self._place(obstacles)
         rows, _ = self._book.write(Scene(points, headings))
-        safe, info = self._projector.project(velocities, rows, self._top_speed)
+        safe, info = self._nearest(velocities, rows)
         if info.status in ("relaxed", "failed"):
             excess = rows.excess(np.nan_to_num(safe).T.reshape(-1))
             worst = rows.label(int(np.argmax(excess))) if len(rows) else "nothing"
@@ -165,6 +169,25 @@ class PointCertificate:
                 stacklevel=3,
             )
         return safe, info
+
+    def _nearest(self, velocities: Array, rows: Rows) -> tuple[Array, ProjectionInfo]:
+        """Project; in a larger unit of speed where rows ask for speeds of no robot.
+
+        Certificates without limits may be asked to part robots at hundreds of metres a second, and
+        solvers' tolerances are meant for a few. The program is the same in any unit.
+        """
+        unit = 1.0
+        if self._top_speed == np.inf and len(rows):
+            unit = float(rows.excess(velocities.T.reshape(-1)).max())
+        if not unit > FAST:
+            return self._projector.project(velocities, rows, self._top_speed)
+        scaled = Rows(
+            rows.index, rows.coefficient, rows.bound / unit, rows.size, rows.weight, rows.label
+        )
+        safe, info = self._projector.project(velocities / unit, scaled)
+        info.violation *= unit
+        info.moved *= unit
+        return safe * unit, info
 
     def _place(self, obstacles: Array | None) -> None:
         """Put obstacles where they are now."""

@@ -72,8 +72,8 @@ def topological_neighbors(L: Array, agent: int) -> Indices:
     if L.ndim != 2:
         raise ShapeError(f"L has shape {L.shape}, expected (n, n)")
     agent_index(agent, L.shape[0], numpy_integers=False)
-    L[agent, agent] = 0
-    return graphs.topological_neighbors(L, agent)
+    L[int(agent), int(agent)] = 0
+    return graphs.topological_neighbors(L, int(agent))
 
 
 def delta_disk_neighbors(poses: Array, agent: int, delta: float) -> Indices:
@@ -99,4 +99,4 @@ def delta_disk_neighbors(poses: Array, agent: int, delta: float) -> Indices:
         raise ShapeError(f"poses have shape {poses.shape}, expected (3, N)")
     agent_index(agent, poses.shape[1], numpy_integers=False)
     number("delta", delta, least=0)
-    return graphs.disk_neighbors(poses[:2], agent, delta)
+    return graphs.disk_neighbors(poses[:2], int(agent), delta)

@@ -78,7 +78,7 @@ def topological_neighbors(L: Array, agent: int) -> Indices:
     if L.ndim != 2:
         raise ShapeError(f"L has shape {L.shape}, expected (n, n)")
     agent_index(agent, L.shape[0], numpy_integers=True)
-    return graphs.topological_neighbors(L, agent)
+    return graphs.topological_neighbors(L, int(agent))
 
 
 def delta_disk_neighbors(poses: Array, agent: int, delta: float) -> Indices:
@@ -103,4 +103,4 @@ def delta_disk_neighbors(poses: Array, agent: int, delta: float) -> Indices:
     if poses.ndim != 2:
         raise ShapeError(f"poses have shape {poses.shape}, expected (3, N)")
     agent_index(agent, poses.shape[1], numpy_integers=True)
-    return graphs.disk_neighbors(poses[:2], agent, delta)
+    return graphs.disk_neighbors(poses[:2], int(agent), delta)
