@@ -400,3 +400,21 @@ def describe_file(path: Path) -> str:
     if not content.readable:
         return f"unreadable ({content.size} bytes)"
     return f"readable, {content.size} bytes"
+
+
+def report_on(done: Rehearsal) -> Path | None:
+    """Open the pose logs that came back with the report, and return its page; None without any.
+
+    Raises
+    ------
+    PosflockError
+        Where a log that looks like one cannot be analysed.
+    """
+    from posflock_robotarium.report import analyse
+    from posflock_robotarium.report.outputs import write_report
+
+    logs = [done.folder / name for name, found in done.files.items() if found.startswith("pose log")]
+    if not logs:
+        return None
+    written = write_report([analyse(log) for log in logs], done.folder / "report", figures=False)
+    return Path(written[0])
