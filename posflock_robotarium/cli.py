@@ -5,7 +5,7 @@ import sys
 import typer
 
 from posflock_robotarium import __version__
-from posflock_robotarium.commands import paper, report, run, sweep, verify
+from posflock_robotarium.commands import bundle, paper, report, run, sweep, verify
 from posflock_robotarium.errors import PosflockError
 from rps_compat.errors import RobotariumError
 
@@ -48,6 +48,8 @@ _WRITE, _SUBMIT, _ANALYSE, _STUDY = (
 app.command(rich_help_panel=_WRITE, context_settings=SCRIPT_ARGUMENTS)(run.run)
 app.command(rich_help_panel=_WRITE)(run.lint)
 app.command(rich_help_panel=_SUBMIT)(verify.verify)
+app.command(rich_help_panel=_SUBMIT)(bundle.bundle)
+app.command(rich_help_panel=_SUBMIT)(bundle.rehearse)
 app.command(rich_help_panel=_SUBMIT)(verify.profile)
 for _command in (report.report, report.compare, report.replay, report.convert):
     app.command(rich_help_panel=_ANALYSE)(_command)

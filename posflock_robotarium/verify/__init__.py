@@ -232,7 +232,7 @@ def _run(
     plans = [
         room.plan("interrupted", interrupt_at=float(moments[0]), longest=longest),
         room.plan("killed", kill_at=float(moments[1]), longest=longest),
-        room.plan("drive", initial="drive", stop_after=1, longest=longest),
+        room.plan("drive", initial="drive", only_start=True),
         *(
             room.plan(f"trial-{k:03d}", profile, initial="arrive", seed=seed + k, longest=longest)
             for k in range(trials)

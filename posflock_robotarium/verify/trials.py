@@ -229,3 +229,20 @@ def _content(path: Path) -> tuple[bool, int]:
     if ending in (".txt", ".csv", ".dat", ".log"):
         return bool(path.read_text().strip()), len(path.read_text().splitlines())
     return path.stat().st_size > 0, path.stat().st_size
+
+
+def robots_and_seconds(script: Path) -> tuple[int | None, float | None]:
+    """Run `script` once in the ideal simulator and return its number of robots and its length.
+
+    Both are None where it does not run to its end.
+    """
+    from posflock_robotarium.verify import generations, static
+
+    _, source = static.check_source(script)
+    if source is None:
+        return None, None
+    with TrialRoom(source, generations.generation_of(source.tree) or 2, Limits()) as room:
+        (ran,) = room.run([room.plan("ideal")])
+    if ran.outcome.ended != "finished" or not ran.outcome.steps:
+        return None, None
+    return ran.outcome.robots, ran.outcome.time

@@ -7,7 +7,7 @@ from rps.utilities.transformations import *
 N = 4
 start = np.array([[-0.6, -0.2, 0.2, 0.6], [0.0, 0.1, 0.0, 0.1], [0.0, 0.0, 0.0, 0.0]])
 r = Robotarium(number_of_robots=N, show_figure=False, initial_conditions=start)
-to_si, to_uni = create_si_to_uni_mapping()
+to_uni, to_si = create_si_to_uni_mapping()
 certificate = create_si_barrier_certificate_with_boundary()
 for _ in range(200):
     x = r.get_poses()

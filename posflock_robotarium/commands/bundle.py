@@ -1,0 +1,123 @@
+"""``posflock bundle`` and ``posflock rehearse``: what to upload, and a run of it."""
+
+from pathlib import Path
+
+import typer
+
+
+def bundle(
+    script: Path = typer.Argument(..., help="The experiment's main file."),
+    out: Path = typer.Option(..., "--out", "-o", help="Folder to write: new, empty or a bundle."),
+    data: list[Path] = typer.Option([], help="A data file to take along; may be repeated."),
+    run: bool = typer.Option(
+        True, help="Run the script once to learn what to enter for robots and duration."
+    ),
+    max_size: float = typer.Option(0.0, help="Largest upload in MiB; 0 is no limit."),
+    json_only: bool = typer.Option(False, "--json", help="Print what was written as JSON."),
+) -> None:
+    """Lay a script and all it imports flat, ready to be uploaded.
+
+    Exit code 0, or 2 with the reason and the way out where it cannot be laid flat.
+
+    Examples:
+
+      posflock bundle experiments/robotarium_9bot.py -o upload
+
+      posflock bundle main.py -o upload --data goals.npy --no-run
+    """
+    from posflock_robotarium.bundle import bundle as lay_flat
+    from posflock_robotarium.verify.trials import robots_and_seconds
+
+    robots, seconds = robots_and_seconds(script) if run else (None, None)
+    ready = lay_flat(
+        script,
+        out,
+        data=data,
+        robots=robots,
+        run_seconds=seconds,
+        largest=int(max_size * 2**20) if max_size > 0 else None,
+    )
+    if json_only:
+        import json
+
+        said = {
+            "folder": str(ready.folder),
+            "main": ready.main,
+            "files": {name: len(content) for name, content in sorted(ready.files.items())},
+            "left_out": ready.left_out,
+            "robots": ready.robots,
+            "duration": ready.duration,
+        }
+        typer.echo(json.dumps(said, indent=1))
+        return
+    typer.echo(f"{len(ready.files)} files, {ready.size / 1024:.0f} KiB in {ready.folder}")
+    typer.echo(f"main file {ready.main}; what to enter is in {ready.folder / 'SUBMIT.md'}")
+
+
+def rehearse(
+    folder: Path = typer.Argument(..., help="A bundle, made by `posflock bundle`."),
+    out: Path = typer.Option(
+        Path("rehearsal"), "--out", "-o", help="New or empty folder for what comes back."
+    ),
+    duration: float = typer.Option(900.0, "--duration", "-d", help="Declared duration, seconds."),
+    profile: str = typer.Option(
+        "gritsbot_x", help="Imperfections: ideal, gritsbot_x, harsh, or a TOML file."
+    ),
+    seed: int = typer.Option(0, help="Of everything random that is the testbed's."),
+    generation: int = typer.Option(2, help="Generation of the API, 1 or 2."),
+    initial: str = typer.Option(
+        "arrive", help="arrive (within 5 cm and 0.2 rad), exact, or drive."
+    ),
+    timeout: float = typer.Option(600.0, help="Seconds of real time it may take."),
+    report: bool = typer.Option(True, help="Open returned pose logs with posflock report."),
+    json_only: bool = typer.Option(False, "--json", help="Print the outcome as JSON."),
+) -> None:
+    """Run a bundle with the testbed's Python, libraries and folder, and without a network.
+
+    The environment is built once and cached. Exit code 0 when the run ended by itself or by the
+    declared duration, without a collision, and its files can be opened; 1 when not.
+
+    Example:
+
+      posflock rehearse upload -o back --duration 320
+    """
+    from posflock_robotarium.rehearse import rehearse as run
+
+    done = run(
+        folder,
+        out,
+        duration=duration,
+        profile=profile,
+        seed=seed,
+        generation=generation,
+        initial=initial,
+        timeout=timeout,
+        tell=None if json_only else typer.echo,
+    )
+    page = None
+    if report:
+        from posflock_robotarium.rehearse import report_on
+
+        page = report_on(done)
+    if json_only:
+        import json
+        from dataclasses import asdict
+
+        said = asdict(done) | {"passed": done.passed, "report": page}
+        typer.echo(json.dumps(said, indent=1, default=str))
+    else:
+        environment = done.environment
+        versions = ", ".join(f"{name} {v}" for name, v in environment.libraries.items())
+        typer.echo(f"{done.ended} after {done.seconds:.1f} s, {done.steps} steps")
+        typer.echo(f"environment: Python {environment.version}, {versions}; {done.network}")
+        if environment.note:
+            typer.echo(f"note: {environment.note}")
+        for name, found in done.files.items():
+            typer.echo(f"  {name}: {found}")
+        for name, count in done.faults.items():
+            if count:
+                typer.echo(f"  {name.replace('_', ' ')}: {count}")
+        if page is not None:
+            typer.echo(f"report: {page}")
+        typer.echo(f"what came back is in {done.folder}, with log.txt")
+    raise typer.Exit(0 if done.passed else 1)
