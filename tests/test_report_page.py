@@ -179,7 +179,7 @@ def test_gaps_reach_the_page():
     )
     page = render([analyse(recording, radius=100.0)])
     assert data_of(page)["gaps"] == [pytest.approx(3.3)]
-    assert "1 gap(s)" in page
+    assert "1 gap, " in page
 
 
 def test_the_csv_is_exact_and_leaves_undefined_cells_empty(tmp_path):
