@@ -12,7 +12,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: demo test test-slow test-numpy1 lint bench bench-nine lock clean help
+.PHONY: demo test test-slow test-numpy1 lint bench bench-nine bench-report bench-fuzz lock clean help
 .DEFAULT_GOAL := help
 
 help:  ## this list
@@ -56,10 +56,17 @@ lint: $(VENV)/.dev  ## ruff, mypy --strict, import rules
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: bench-nine  ## every benchmark
+bench: bench-nine bench-report bench-fuzz  ## every benchmark
 
 bench-nine: $(VENV)/.dev  ## the nine-robot experiment against its acceptance table
 	$(BIN)/python benchmarks/nine_robots.py
+
+bench-report: $(VENV)/.dev  ## estimators against truth; cost of an analysis over a run's length
+	$(BIN)/python benchmarks/estimator_truth.py
+	$(BIN)/python benchmarks/report_scaling.py
+
+bench-fuzz: $(VENV)/.dev  ## twenty thousand damaged files through the readers of logs
+	$(BIN)/python benchmarks/fuzz_readers.py
 
 lock:  ## renew constraints.txt from the ranges in setup.cfg (needs uv)
 	uv pip compile --universal --python-version 3.10 --extra dev --no-annotate --no-header -q setup.cfg -o constraints.txt

@@ -44,7 +44,8 @@ def test_the_nine_robots_agree_with_the_metrics(nine_robots):
         "gamma_motion": metrics.alignment(motion, positions, radius, slowest=0.01).gamma,
         "gamma_headings": metrics.alignment(headings, positions, radius).gamma,
         "gamma_differences": metrics.alignment(differences, positions, radius, slowest=0.01).gamma,
-        "left_out_motion": 1 - metrics.alignment(motion, positions, radius, slowest=0.01).counted / 9,
+        "left_out_motion": 1
+        - metrics.alignment(motion, positions, radius, slowest=0.01).counted / 9,
         "polarisation_motion": metrics.polarisation(motion, slowest=0.01),
         "speed": metrics.mean_speed(motion),
         "nearest_neighbour": metrics.nearest_neighbour_distance(positions),
@@ -55,7 +56,7 @@ def test_the_nine_robots_agree_with_the_metrics(nine_robots):
         "components": metrics.connected_components(positions, radius),
         "algebraic_connectivity": metrics.algebraic_connectivity(positions, radius),
         "fastest_wheel": metrics.fastest_wheel(recording.command, 0.016, 0.11),
-    }  # fmt: skip
+    }
     for key, values in expected.items():
         np.testing.assert_allclose(curves[key], values, rtol=0, atol=1e-12, err_msg=key)
     late = recording.t > 20
@@ -171,7 +172,10 @@ def test_collisions_are_counted_by_the_testbeds_own_test():
     analysis = analyse(pair(distance), radius=0.75)
     assert analysis.numbers["collisions"].value == 2
     assert analysis.numbers["collision_steps"].value == 12
-    assert [(e.first, e.last, e.robots) for e in analysis.events] == [(20, 29, (0, 1)), (60, 61, (0, 1))]  # fmt: skip
+    assert [(e.first, e.last, e.robots) for e in analysis.events] == [
+        (20, 29, (0, 1)),
+        (60, 61, (0, 1)),
+    ]
     assert verdict(analysis, "safe").answer == "No: 2 collisions."
 
 
@@ -277,7 +281,7 @@ def test_the_neighbour_radius_is_asked_for_and_checked():
         {"slowest": -1.0},
         {"threshold": 2.0},
         {"settle": np.nan},
-    ],  # fmt: skip
+    ],
 )
 def test_options_are_checked(wrong):
     with pytest.raises(ParameterError):
@@ -302,7 +306,9 @@ def test_the_bootstrap_interval_covers_the_mean_about_as_often_as_it_says():
 def test_fewer_than_three_runs_have_no_interval():
     assert np.isnan(spread_of(np.array([1.0, 2.0])).low)
     assert spread_of(np.array([np.nan, np.nan])).runs == 0
-    assert spread_of(np.array([1.0, 2.0, 4.0]), seed=1) == spread_of(np.array([1.0, 2.0, 4.0]), seed=1)  # fmt: skip
+    assert spread_of(np.array([1.0, 2.0, 4.0]), seed=1) == spread_of(
+        np.array([1.0, 2.0, 4.0]), seed=1
+    )
 
 
 def test_simulation_and_reality_side_by_side():

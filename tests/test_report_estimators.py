@@ -1,5 +1,7 @@
 """Estimators against truth, at the noise and speeds of the testbed."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -137,3 +139,19 @@ def test_counter_movers_cancel_in_polarisation_but_not_in_alignment():
     analysis = analyse(flock.recording, radius=flock.radius)
     assert analysis.numbers["polarisation_motion"].value == pytest.approx(0, abs=1e-9)
     assert analysis.numbers["gamma_motion"].value == pytest.approx(-1 / 9)
+
+
+def test_the_table_in_the_documentation_is_the_table_measured(table):
+    page = (Path(__file__).parents[1] / "docs" / "report.md").read_text()
+    rows = [line.strip("| ").split(" | ") for line in page.splitlines() if line.startswith("| ")]
+    rows = [row for row in rows if row[0] in MOTIONS]
+    assert len(rows) == 13
+    for motion, speed, truth, *cells in rows:
+        found = [table[motion, float(speed), e] for e in ("headings", "motion", "differences")]
+        assert float(truth) == pytest.approx(found[0].truth, abs=5e-5)
+        for cell, error in zip(cells, found, strict=True):
+            if "left out" in cell:
+                share = float(cell.split(", ")[1].removesuffix("% left out"))
+                assert share == pytest.approx(100 * error.left_out, abs=0.51)
+            else:
+                assert float(cell) == pytest.approx(error.error, abs=2e-5)

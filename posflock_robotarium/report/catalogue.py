@@ -103,7 +103,7 @@ QUANTITIES: tuple[Quantity, ...] = (
         "heading",
         "heading of the flock",
         "rad",
-        "Angle of the mean heading vector.",
+        "Angle of the mean heading vector; undefined where polarisation is below 0.1.",
     ),
     Quantity(
         "speed",

@@ -25,6 +25,10 @@ PAIRS_AT_A_TIME = 200_000
 """Robot pairs in one stretch: a few MB of temporaries, which stay in the processor's cache."""
 
 
+SHARED = 0.1
+"""Polarisation below which headings have no common direction, only what noise leaves of one."""
+
+
 @dataclass(frozen=True, eq=False)
 class Curves:
     """Values over time by the key of their `catalogue.Quantity`, and what went wrong when."""
@@ -87,7 +91,9 @@ def compute(
             if name != "differences":
                 polarisation = metrics.polarisation(velocities, slowest=threshold)
                 put(f"polarisation_{short}", stretch, polarisation)
-        put("heading", stretch, metrics.common_heading(metrics.heading_vectors(poses)))
+        common = metrics.common_heading(metrics.heading_vectors(poses))
+        shared = values["polarisation_headings"][stretch] >= SHARED
+        put("heading", stretch, np.where(shared, common, np.nan))
         put("speed", stretch, speeds[stretch].mean(axis=1))
         put("speed_slowest", stretch, speeds[stretch].min(axis=1))
         put("speed_fastest", stretch, speeds[stretch].max(axis=1))

@@ -173,7 +173,7 @@ def _run(analysis: Analysis, budget: int) -> dict[str, Any]:
 
 def _panel(panel: Panel, analysis: Analysis, stride: int) -> dict[str, Any]:
     series = [
-        _series(BY_KEY[key].label, key, _thinned(analysis.curves[key], key, stride))
+        _series(BY_KEY[key].label, key, _thinned(_unjoined(analysis.curves[key], key), key, stride))
         for key in panel.curves
         if key in analysis.curves and np.isfinite(analysis.curves[key]).any()
     ]
@@ -218,6 +218,14 @@ def _series(label: str, key: str, values: Floats) -> dict[str, Any]:
         "extent": extent,
         "values": _b64(values.astype(np.float32)),
     }
+
+
+def _unjoined(curve: Floats, key: str) -> Floats:
+    """Take out the sample at which an angle jumps by a turn, lest a line be drawn across."""
+    if BY_KEY[key].unit != "rad":
+        return curve
+    jump = np.abs(np.diff(curve, prepend=curve[:1])) > np.pi
+    return np.where(jump, np.nan, curve)
 
 
 def _thinned(curve: Floats, key: str, stride: int) -> Floats:

@@ -251,8 +251,11 @@ def _sure(v: Mapping[str, float]) -> Verdict:
             "wheels cannot do: are headings in radians, and columns in the right order?",
         )
     noise, course, bias = v["noise_position"], v["noise_course"], v["gamma_bias"]
+    count = int(v["gaps"])
     gaps = (
-        f" {int(v['gaps'])} gap(s), {v['gap_time']:.1f} s, are left as gaps." if v["gaps"] else ""
+        f" {count} gap{'s' if count > 1 else ''}, {v['gap_time']:.1f} s, left as such."
+        if count
+        else ""
     )
     if math.isnan(noise):
         return Verdict(question, "unknown", "Too short to measure the noise.", gaps.strip())

@@ -152,6 +152,11 @@ def _known(name: str | None, names: tuple[str, ...], option: str) -> str | None:
     raise LayoutError(f"--{option} {name!r} is none of {', '.join(names)}")
 
 
+def increases(values: Floats) -> bool:
+    """Tell whether values could be times: finite, and each later than the one before."""
+    return bool(np.isfinite(values).all() and (np.diff(values) > 0).all())
+
+
 def sideways_share(poses: Floats) -> float:
     """Share of the motion that points across the heading: 0 for wheels, about ½ for nonsense.
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.errors import LogError, ParameterError
-from posflock_robotarium.report.readers.layouts import COLUMN_ORDERS, to_poses
+from posflock_robotarium.report.readers.layouts import COLUMN_ORDERS, increases, to_poses
 from posflock_robotarium.report.readers.recording import LayoutError
 from posflock_robotarium.report.readers.text import STATE_NAMES, TIME_NAMES
 
@@ -76,7 +76,7 @@ def poses_of_array(array: Floats, where: str, options: ReadOptions) -> Found:
         for axis, name in ((1, "T,3N"), (0, "3N,T")):
             if array.shape[axis] % 3 == 1 and array.shape[axis] > 3 and array.shape[1 - axis] > 1:
                 first = array[:, 0] if axis else array[0]
-                if np.all(np.diff(first) > 0):
+                if increases(first):
                     t, array, layout = first, array[:, 1:] if axis else array[1:], name
                     notes.append("first row or column increases throughout: taken for the time")
                     break

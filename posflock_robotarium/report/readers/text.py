@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.errors import LogError
-from posflock_robotarium.report.readers.layouts import COLUMN_ORDERS, to_poses
+from posflock_robotarium.report.readers.layouts import COLUMN_ORDERS, increases, to_poses
 from posflock_robotarium.report.readers.recording import LayoutError
 
 Floats = NDArray[np.float64]
@@ -159,7 +159,7 @@ def _without_names(
     for axis, along in ((1, "column"), (0, "row")):
         if values.shape[axis] % 3 == 1 and values.shape[axis] > 3 and values.shape[1 - axis] > 1:
             first = values[:, 0] if axis == 1 else values[0]
-            if np.all(np.diff(first) > 0):
+            if increases(first):
                 t, values = first, values[:, 1:] if axis == 1 else values[1:]
                 notes.append(f"the first {along} increases throughout: taken for the time")
                 if layout is None:
