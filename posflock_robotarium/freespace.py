@@ -142,6 +142,11 @@ class FreeSpace:
                 f"duration: expected at least one time step of {self.time_step} s,"
                 f" got {self.duration!r}"
             )
+        if self.record_interval > self.duration:
+            raise ParameterError(
+                f"record_interval: expected at most the duration of {self.duration} s,"
+                f" got {self.record_interval!r}"
+            )
         self.law.agents_must_be(self.agents)
 
     @property

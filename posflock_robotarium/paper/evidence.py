@@ -154,8 +154,8 @@ def variations() -> Iterator[Variation]:
         cube = replace(base, model=model, dimensions=3, side=CUBE_SIDE)
         yield Variation("three dimensions", "", 3.0, cube)
     for model in both:
-        larger = replace(base, model=model, agents=200, side=50.0, record_interval=2.0)
-        yield Variation("agents", "", 200.0, larger)
+        larger = replace(base, model=model, agents=100, side=base.side * 2.0**0.5)
+        yield Variation("agents", "", 100.0, larger)
         for value in _POSITION_NOISE:
             blurred = replace(base, model=model, sensing=Sensing(position_noise=value))
             yield Variation("position noise", "m", value, blurred)

@@ -136,7 +136,7 @@ def locally(workers: int | None = None) -> Executor:
 
 
 @contextmanager
-def on_cluster(address: str) -> Iterator[Executor]:
+def on_cluster(address: str, patience: float = 10.0) -> Iterator[Executor]:
     """Connect to a Dask scheduler and give an executor that sends it the work.
 
     Dask's workers pin BLAS to one thread by themselves, and its scheduler gives the runs of
@@ -146,6 +146,8 @@ def on_cluster(address: str) -> Iterator[Executor]:
     ----------
     address : str
         Of the scheduler, such as ``tcp://10.0.0.1:8786``.
+    patience : float
+        Seconds to wait for the scheduler.
 
     Raises
     ------
@@ -159,7 +161,7 @@ def on_cluster(address: str) -> Iterator[Executor]:
             "a cluster needs Dask: pip install 'posflock-robotarium[cluster]'"
         ) from error
     try:
-        client = Client(address, timeout="10s", set_as_default=False)
+        client = Client(address, timeout=patience, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
         raise ClusterError(f"no Dask scheduler answers at {address}: {error}") from error
 
@@ -167,7 +169,7 @@ def on_cluster(address: str) -> Iterator[Executor]:
         futures = client.map(
             compute, [experiment] * len(work), work, pure=False, retries=2, batch_size=100
         )
-        for future in as_completed(futures):
+        for future in as_completed(futures, loop=client.loop):
             rows: list[Row] = future.result()
             yield rows
             future.release()
