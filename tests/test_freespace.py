@@ -20,7 +20,7 @@ from posflock_robotarium.law import (
     velocity_based_input,
 )
 from posflock_robotarium.measures import measure, summarise
-from posflock_robotarium.pairs import (
+from posflock_robotarium.neighbour_search import (
     TREE_FROM_AGENTS,
     nearest_distances,
     neighbour_pairs,
