@@ -12,7 +12,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: demo test test-slow test-numpy1 lint bench bench-nine bench-report bench-fuzz lock clean help
+.PHONY: demo test test-slow test-numpy1 lint bench bench-nine bench-barriers bench-report bench-fuzz lock clean help
 .DEFAULT_GOAL := help
 
 help:  ## this list
@@ -56,10 +56,14 @@ lint: $(VENV)/.dev  ## ruff, mypy --strict, import rules
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: bench-nine bench-report bench-fuzz  ## every benchmark
+bench: bench-nine bench-barriers bench-report bench-fuzz  ## every benchmark
 
 bench-nine: $(VENV)/.dev  ## the nine-robot experiment against its acceptance table
 	$(BIN)/python benchmarks/nine_robots.py
+
+bench-barriers: $(VENV)/.dev  ## certificates: speed against the common way; 200,000 steps under attack
+	$(BIN)/python benchmarks/barrier_speed.py
+	$(BIN)/python benchmarks/barrier_safety.py
 
 bench-report: $(VENV)/.dev  ## estimators against truth; cost of an analysis over a run's length
 	$(BIN)/python benchmarks/estimator_truth.py

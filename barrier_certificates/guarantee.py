@@ -12,7 +12,7 @@ largest gain, far above any in use at the testbed's 0.033 s.
 
 The guarantee is for velocities that are *executed as certified*. Clipping them afterwards, a delay,
 wheels that slip and poses measured with an error all void it; so does the arc that a projection
-point moves on while its robot turns (`turning_error`), which a margin in the radius has to cover.
+point moves on while its robot turns (`turning_error`), unless the certificate knows the time step.
 """
 
 from __future__ import annotations

@@ -4,6 +4,8 @@ import dataclasses
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from barrier_certificates.certificate_errors import InfeasibleError, ParameterError
 from barrier_certificates.deadlock import DeadlockParameters
@@ -328,3 +330,31 @@ def test_parameters_can_be_changed_and_memory_reset():
     np.testing.assert_array_equal(certificate(slow, positions)[0], velocity)
     with pytest.raises(ParameterError, match="expected SingleIntegratorParameters"):
         certificate.parameters = UnicycleCertificate().parameters
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 10**6), st.integers(1, 8), st.sampled_from([0.3, 3.6, 20.0]))
+def test_with_the_time_step_projection_points_land_where_they_should(seed, number, turn):
+    """However fast robots turn, a step moves projection points straight, and keeps all limits."""
+    rng = np.random.default_rng(seed)
+    certificate = UnicycleCertificate(
+        0.12, 1e3, boundary=ARENA, turn_rate_limit=turn, time_step=STEP
+    )
+    poses = np.vstack([rng.uniform(-0.5, 0.5, (2, number)), rng.uniform(-3, 3, (1, number))])
+    velocity, info = certificate.project(rng.uniform(-0.5, 0.5, (2, number)), poses)
+    v, w = certificate.commands(velocity, poses)
+    if info.status in ("trivial", "optimal"):
+        assert np.abs(v).max() <= 0.2 + 1e-9
+        assert np.abs(w).max() <= turn + 1e-9
+        assert (np.abs(v) + 0.0525 * np.abs(w)).max() <= 12.5 * 0.016 + 1e-9
+    e = np.stack([np.cos(poses[2]), np.sin(poses[2])])
+    after = poses + STEP * np.stack([v * e[0], v * e[1], w])
+    landed = after[:2] + D * np.stack([np.cos(after[2]), np.sin(after[2])])
+    np.testing.assert_allclose(landed, poses[:2] + D * e + STEP * velocity, atol=1e-12)
+    again, _ = certificate(np.stack([v, w]), poses)
+    np.testing.assert_allclose(again, [v, w], atol=1e-8)  # a certified command passes as it is
+
+
+def test_a_time_step_needs_a_limit_on_turning():
+    with pytest.raises(ParameterError, match="turn_rate_limit or wheel_limit"):
+        UnicycleCertificate(time_step=STEP, wheel_limit=None)
