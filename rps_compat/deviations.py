@@ -122,6 +122,37 @@ DEVIATIONS: dict[str, Deviation] = {
         "NumberError: that point cannot move sideways",
         always=True,
     ),
+    "constructor": Deviation(
+        2,
+        ("Robotarium",),
+        "no robots at all, and initial conditions of another number of robots or rows, are "
+        "accepted; integer ones crash in the first step; more than 22 robots crash",
+        "ConstructorError or InitialConditionsError with what was got and what was expected; "
+        "integers and up to 50 robots work",
+        always=True,
+    ),
+    "impossible commands": Deviation(
+        2,
+        ("set_velocities",),
+        "NaN and infinite velocities are accepted, and the run counts as clean",
+        "CommandError with the robot and the value (in generation 1 as well)",
+        always=True,
+    ),
+    "counters of one instance": Deviation(
+        1,
+        ("step", "call_at_scripts_end"),
+        "a later instance starts with the violations that the earlier ones counted",
+        "each instance has its own",
+        always=True,
+    ),
+    "report": Deviation(
+        2,
+        ("debug",),
+        "actuator warnings vanish where there are hard errors; pairs too close are reported as "
+        "time steps",
+        "everything is reported, in time steps, with robots, times and distances",
+        always=True,
+    ),
 }
 
 _as_published = os.environ.get("RPS_COMPAT_AS_PUBLISHED", "") not in ("", "0")

@@ -32,6 +32,7 @@ from rps_compat.errors import RobotariumError
 from rps_compat.film import Film
 from rps_compat.generations import evidence_in
 from rps_compat.install import Api, install, installed, uninstall
+from rps_compat.old_numpy import old_numpy_names
 from rps_compat.report import RunReport, report_on
 from rps_compat.session import Initial, Session
 
@@ -236,6 +237,7 @@ class _Run:
         with contextlib.ExitStack() as around:
             around.enter_context(self._process_state())
             around.enter_context(session.active())
+            around.enter_context(old_numpy_names())
             if self.headless:
                 around.enter_context(self.clock.in_force())
                 around.enter_context(_headless_matplotlib())

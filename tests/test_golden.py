@@ -1,0 +1,117 @@
+"""What was recorded of the published API is answered the same here, or is a listed deviation.
+
+The vectors are replayed twice: as the published simulators answer, defects included, where nearly
+nothing may differ; and as we answer, where only functions of a listed deviation may.
+"""
+
+import collections
+import importlib
+import inspect
+import json
+
+import pytest
+from golden_replay import GOLDEN, Vectors, replay
+
+import rps_compat
+from rps_compat import deviations
+
+VECTORS = {generation: Vectors(generation) for generation in (1, 2)}
+
+
+def group_of(case):
+    return case["id"].rsplit("/", 1)[0]
+
+
+GROUPS = collections.defaultdict(list)
+for generation, vectors in VECTORS.items():
+    for case in vectors.cases:
+        if case.get("tag") != "upstream_bug":
+            GROUPS[generation, group_of(case)].append(case)
+
+# Cases that answer differently even where everything else is wanted as published.
+ALWAYS = {
+    "barrier_certificates/create_unicycle_differential_drive_barrier_certificate_with_boundary/091",
+    "controllers/create_pose_controller_hybrid/089",
+    "barrier_certificates/create_si_barrier_certificate/014",
+    "barrier_certificates/create_si_barrier_certificate/018",
+    "barrier_certificates/create_si_barrier_certificate_with_boundary/014",
+    "barrier_certificates/create_si_barrier_certificate_with_boundary/015",
+    "barrier_certificates/create_si_barrier_certificate_with_boundary/017",
+    "robotarium/script_constructor/001",  # no robots at all
+    "robotarium/script_constructor/004",  # 22 robots, 5 poses
+    "robotarium/script_constructor/014",  # poses of two rows
+}
+
+
+@pytest.fixture
+def installed(request):
+    rps_compat.install(api=request.param)
+    yield request.param
+    rps_compat.uninstall()
+
+
+@pytest.mark.parametrize(
+    ("installed", "group"), GROUPS, indirect=["installed"], ids=lambda value: str(value)
+)
+def test_recorded_answers(installed, group):
+    vectors, cases = VECTORS[installed], GROUPS[installed, group]
+    with deviations.all_as_published():
+        differing = {case["id"]: why for case in cases if (why := replay(case, vectors))}
+    unexpected = {name: why for name, why in differing.items() if name not in ALWAYS}
+    assert not unexpected
+
+
+@pytest.mark.parametrize(
+    ("installed", "group"), GROUPS, indirect=["installed"], ids=lambda value: str(value)
+)
+def test_only_listed_functions_deviate(installed, group):
+    vectors, cases = VECTORS[installed], GROUPS[installed, group]
+    differing = [case["id"] for case in cases if replay(case, vectors)]
+    listed = {
+        function
+        for deviation in deviations.DEVIATIONS.values()
+        if deviation.generation == installed
+        for function in deviation.functions
+    }
+    function = group.split("/")[1].replace("script_constructor", "Robotarium")
+    assert not differing or function in listed
+
+
+@pytest.mark.parametrize("installed", [1, 2], indirect=True)
+def test_every_published_name_is_there(installed):
+    signatures = json.loads((GOLDEN / f"v{installed}_signatures.json").read_text())
+    for name, published in signatures.items():
+        module = importlib.import_module(name)
+        starred = {}
+        exec(f"from {name} import *", starred)
+        for also in (
+            *published["also_exported"],
+            *published["imported_modules"],
+            *published["functions"],
+            *published["classes"],
+        ):
+            assert hasattr(module, also), f"{name} has no {also}"
+            if not also.startswith("_"):
+                assert also in starred, f"from {name} import * does not give {also}"
+
+
+@pytest.mark.parametrize("installed", [1, 2], indirect=True)
+def test_every_published_parameter_has_its_place_and_default(installed):
+    signatures = json.loads((GOLDEN / f"v{installed}_signatures.json").read_text())
+    for name, published in signatures.items():
+        module = importlib.import_module(name)
+        for class_name, recorded in published["classes"].items():
+            ours = getattr(module, class_name)
+            for method, signature in recorded["methods"].items():
+                if method in ("__eq__", "__repr__"):
+                    continue
+                parameters = inspect.signature(getattr(ours, method)).parameters
+                wanted = [p for p in signature["parameters"] if p["name"] != "self"]
+                found = [p for p in parameters.values() if p.name != "self"]
+                assert [p.name for p in found] == [p["name"] for p in wanted], (class_name, method)
+                for our, their in zip(found, wanted, strict=True):
+                    assert our.kind.name == their["kind"]
+                    if "default" in their:
+                        assert repr(our.default).replace(", dtype=float64", "") == their[
+                            "default"
+                        ].replace(", dtype=float64", ""), (class_name, method, our.name)
