@@ -88,7 +88,7 @@ def robust_wheels(
 
     def robust_barriers(dxu: Array, x: Array, obstacles: Array = NOTHING) -> Array:
         if published and deviations.as_published(published):
-            raise NameError("name 'd' is not defined, says the published certificate")
+            raise NameError("wanted as published, where every call raises NameError")
         matrix("dxu", dxu, 2)
         matrix("x", x, 3, dxu.shape[1], more_rows=True)
         certificates.require_finite("dxu", dxu)
