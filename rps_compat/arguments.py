@@ -26,6 +26,10 @@ class NumberError(RobotariumError, AssertionError, TypeError, ValueError):
     """A gain, limit, distance or count is not a number, or outside its range."""
 
 
+class AgentError(NumberError, IndexError):
+    """There is no agent of that index."""
+
+
 def number(
     name: str,
     value: Any,
@@ -90,6 +94,23 @@ def count(name: str, value: Any, *, least: int = 1) -> None:
         )
 
 
+def table(name: str, value: Any, expected: str) -> None:
+    """Refuse `value` unless it is an array of two dimensions; `expected` says which.
+
+    Raises
+    ------
+    NotAnArrayError, ShapeError
+        Not a numpy array, or of other dimensions.
+    """
+    if not isinstance(value, np.ndarray):
+        raise NotAnArrayError(
+            f"{name} is a {type(value).__name__}, expected a numpy array {expected}: convert it "
+            "with numpy.array(...)"
+        )
+    if value.ndim != 2:
+        raise ShapeError(f"{name} has shape {value.shape}, expected {expected}")
+
+
 def matrix(
     name: str,
     value: Any,
@@ -115,25 +136,14 @@ def matrix(
     ShapeError
         Of another shape.
     """
-    if not isinstance(value, np.ndarray):
-        raise NotAnArrayError(
-            f"{name} is a {type(value).__name__}, expected a numpy array "
-            f"({rows}, N): convert it with numpy.array(...)"
-        )
+    robots = "N" if columns is None else columns
+    expected = f"({rows}, {robots}), a column for each robot"
+    table(name, value, expected)
     shape = value.shape
-    if (
-        len(shape) != 2
-        or (shape[0] < rows if more_rows else shape[0] != rows)
-        or (columns is not None and (shape[1] < columns if more_columns else shape[1] != columns))
+    if (shape[0] < rows if more_rows else shape[0] != rows) or (
+        columns is not None and (shape[1] < columns if more_columns else shape[1] != columns)
     ):
-        robots = "N" if columns is None else columns
-        raise ShapeError(
-            f"{name} has shape {shape}, expected ({rows}, {robots}): a column for each robot"
-        )
-
-
-class AgentError(NumberError, IndexError):
-    """There is no agent of that index."""
+        raise ShapeError(f"{name} has shape {shape}, expected {expected}")
 
 
 def agent_index(agent: Any, agents: int, *, numpy_integers: bool) -> None:

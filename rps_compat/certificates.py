@@ -29,7 +29,6 @@ from rps_compat import kinematics
 from rps_compat.errors import RobotariumError
 from rps_compat.kinematics import Array
 
-
 #: Rows that ask for more than this are solved in a larger unit (m/s).
 FAST = 10.0
 

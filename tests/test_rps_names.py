@@ -120,3 +120,14 @@ def test_every_deviation_stands_in_the_documentation():
     page = (Path(__file__).parents[1] / "docs" / "utilities.md").read_text(encoding="utf-8")
     for name, deviation in deviations.DEVIATIONS.items():
         assert f"| {name} ({deviation.generation}) |" in page
+
+
+def test_recorded_cases_that_deviate_are_told_by_deviation():
+    told = json.loads(
+        (Path(__file__).parent / "golden" / "utilities_deviations.json").read_text(encoding="utf-8")
+    )
+    for generation, by_deviation in told.items():
+        for name, cases in by_deviation.items():
+            deviation = deviations.DEVIATIONS[name]
+            assert deviation.generation == int(generation[1])
+            assert {case.split("/")[1] for case in cases} <= set(deviation.functions)

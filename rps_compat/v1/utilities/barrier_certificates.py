@@ -7,25 +7,24 @@ rows stands in ``docs/utilities.md``. None of them changes its arguments.
 import itertools
 from collections.abc import Callable
 from functools import cache
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy import dot
 
-from barrier_certificates.disturbance import WheelDisturbance
 from rps_compat import certificates, deviations, kinematics
-from rps_compat.arguments import NumberError, number, scalar
+from rps_compat.arguments import NumberError, number
 from rps_compat.arguments import matrix as require_matrix
 from rps_compat.certificates import PointCertificate, UnicycleCertificate
 from rps_compat.deferred import comb, matrix, qp, sparse
 from rps_compat.kinematics import HALF_TURN, Array
-from rps_compat.placement import CrowdedError
 from rps_compat.v1.utilities.transformations import (
     create_si_to_uni_dynamics,
     create_si_to_uni_dynamics_with_backwards_motion,
     create_si_to_uni_mapping,
     create_uni_to_si_dynamics,
 )
+from rps_compat.v1.wheel_certificate import WheelFilter, robust_wheels
 
 __all__ = [
     "comb",
@@ -52,7 +51,6 @@ __all__ = [
 Filter = Callable[[Array, Array], Array]
 
 ARENA = np.array([-1.6, 1.6, -1.0, 1.0])
-NOTHING = np.empty(0)
 
 #: Robots are 11 cm wide, so a smaller radius keeps nobody apart.
 SMALLEST_RADIUS = 0.12
@@ -60,13 +58,6 @@ SMALLEST_RADIUS = 0.12
 #: The fastest that robots can drive (m/s), and the limit of the published unicycle certificates
 #: whatever their ``magnitude_limit``.
 TOP_SPEED = 0.2
-
-
-class WheelFilter(Protocol):
-    """A function of commands and poses that may be told of obstacles."""
-
-    def __call__(self, dxu: Array, x: Array, obstacles: Array = ...) -> Array:
-        """Commands (v; ω) (2, N)."""
 
 
 def create_single_integrator_barrier_certificate(
@@ -361,94 +352,3 @@ def _unicycle(
         return certificate()(dxu, x)[0]
 
     return f
-
-
-def robust_wheels(
-    max_num_obstacles: Any,
-    max_num_robots: Any,
-    disturbance: Any,
-    wheel_vel_limit: Any,
-    base_length: Any,
-    wheel_radius: Any,
-    projection_distance: Any,
-    barrier_gain: Any,
-    safety_radius: Any,
-    walls: tuple[Any, ...] = (),
-    published: str = "",
-) -> WheelFilter:
-    """Create the certificate of the robust, differential-drive functions; see there.
-
-    Parameters
-    ----------
-    walls : tuple
-        Empty, or the boundary points.
-    published : str
-        Name of the deviation, if the published function always raises NameError.
-    """
-    for name, most in (
-        ("max_num_obstacles", max_num_obstacles),
-        ("max_num_robots", max_num_robots),
-    ):
-        if not isinstance(most, (int, np.integer)) or (most is True and name == "max_num_robots"):
-            raise NumberError(f"{name} is {most!r} ({type(most).__name__}), expected an int")
-    for name, value in (
-        ("disturbance", disturbance),
-        ("base_length", base_length),
-        ("wheel_radius", wheel_radius),
-        ("projection_distance", projection_distance),
-    ):
-        scalar(name, value)
-    if base_length == 0:
-        raise ZeroDivisionError("base_length is 0, expected the distance between the wheels (m)")
-    if projection_distance == 0:
-        raise NumberError("projection_distance is 0, expected a point ahead of the axle (m)")
-
-    @cache
-    def certificate() -> UnicycleCertificate:
-        scalar("wheel_vel_limit", wheel_vel_limit)
-        scalar("barrier_gain", barrier_gain)
-        scalar("safety_radius", safety_radius)
-        if wheel_radius == 0:
-            raise np.linalg.LinAlgError("wheel_radius is 0: such wheels move nothing")
-        robot = abs(wheel_radius), abs(base_length), abs(projection_distance)
-        points = PointCertificate(
-            safety_radius,
-            barrier_gain,
-            walls=certificates.boundary(walls[0]) if walls else None,
-            limits=certificates.wheel_box(wheel_vel_limit, *robot),
-            disturbance=WheelDisturbance(abs(disturbance), *robot),
-        )
-        return UnicycleCertificate(points, projection_distance)
-
-    def robust_barriers(dxu: Array, x: Array, obstacles: Array = NOTHING) -> Array:
-        if published and deviations.as_published(published):
-            raise NameError("name 'd' is not defined, says the published certificate")
-        require_matrix("dxu", dxu, 2)
-        require_matrix("x", x, 3, dxu.shape[1], more_rows=True)
-        certificates.require_finite("dxu", dxu)
-        certificates.require_finite("x", x[:3])
-        if dxu.shape[1] == 0:
-            return dxu.astype(float)
-        if dxu.shape[1] > max_num_robots:
-            raise CrowdedError(
-                f"{dxu.shape[1]} robots, but max_num_robots is {max_num_robots}: create the "
-                "certificate for more"
-            )
-        return certificate()(dxu, x[:3], _obstacles(obstacles, max_num_obstacles))[0]
-
-    return robust_barriers
-
-
-def _obstacles(obstacles: Any, most: int) -> Array | None:
-    """Obstacles (2, M), None if there are none."""
-    if np.size(obstacles) == 0:
-        return None
-    require_matrix("obstacles", obstacles, 2)
-    certificates.require_finite("obstacles", obstacles)
-    if obstacles.shape[1] > most:
-        raise CrowdedError(
-            f"{obstacles.shape[1]} obstacles, but at most {most} were asked for: create the "
-            "certificate for more"
-        )
-    points: Array = obstacles.astype(float)
-    return points

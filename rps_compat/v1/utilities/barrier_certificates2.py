@@ -9,7 +9,7 @@ import numpy as np
 from rps_compat.deferred import matrix, solvers
 from rps_compat.deferred import quadprog as solver2
 from rps_compat.kinematics import Array
-from rps_compat.v1.utilities.barrier_certificates import robust_wheels
+from rps_compat.v1.wheel_certificate import robust_wheels
 
 __all__ = ["create_robust_barriers", "matrix", "np", "solver2", "solvers", "time"]
 

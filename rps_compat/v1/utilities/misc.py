@@ -114,7 +114,7 @@ def at_position(states: Array, points: Array, position_error: float = 0.02) -> t
     matrix("states", states, 3)
     matrix("points", points, 2)
     if deviations.as_published("at_position"):
-        raise NameError("name 'pes' is not defined, says the published at_position")
+        raise NameError("at_position is wanted as published, where every call raises NameError")
     matrix("points", points, 2, states.shape[1])
     return np.nonzero(controllers.distances(states, points) <= position_error)
 

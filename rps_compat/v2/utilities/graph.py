@@ -3,7 +3,7 @@
 import numpy as np
 
 from rps_compat import graphs
-from rps_compat.arguments import NotAnArrayError, ShapeError, agent_index, count
+from rps_compat.arguments import agent_index, count, table
 from rps_compat.graphs import Indices
 from rps_compat.kinematics import Array
 
@@ -73,10 +73,7 @@ def topological_neighbors(L: Array, agent: int) -> Indices:
     AgentError
         There is no such agent.
     """
-    if not isinstance(L, np.ndarray):
-        raise NotAnArrayError(f"L is a {type(L).__name__}, expected a numpy array (n, n)")
-    if L.ndim != 2:
-        raise ShapeError(f"L has shape {L.shape}, expected (n, n)")
+    table("L", L, "(n, n)")
     agent_index(agent, L.shape[0], numpy_integers=True)
     return graphs.topological_neighbors(L, int(agent))
 
@@ -98,9 +95,6 @@ def delta_disk_neighbors(poses: Array, agent: int, delta: float) -> Indices:
     TypeError
         `delta` is not a number.
     """
-    if not isinstance(poses, np.ndarray):
-        raise NotAnArrayError(f"poses is a {type(poses).__name__}, expected a numpy array (3, N)")
-    if poses.ndim != 2:
-        raise ShapeError(f"poses have shape {poses.shape}, expected (3, N)")
+    table("poses", poses, "(3, N)")
     agent_index(agent, poses.shape[1], numpy_integers=True)
     return graphs.disk_neighbors(poses[:2], int(agent), delta)
