@@ -48,6 +48,7 @@ def codes(tmp_path, text, generation=2, name="main_script.py"):
         ("import numpy as np\nnp.save('a.npy', 1)\nnp.load('a.npy')\n", []),
         ("NAME = 'goals'\nopen(f'{NAME}.m')\n", [("file-missing", 2)]),
         ("import os\nopen(os.path.join('d', 'goals.m'))\n", [("file-in-folder", 2)]),
+        ("from pathlib import Path\nPath('x.m').read_text()\n", [("file-missing", 2)]),
         ("open('/etc/x.m')\n", [("file-in-folder", 1)]),
         ("import sys\nopen(sys.argv[1])\n", []),
         ("open('out.csv', 'w')\n", []),
