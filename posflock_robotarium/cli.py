@@ -5,7 +5,7 @@ import sys
 import typer
 
 from posflock_robotarium import __version__
-from posflock_robotarium.commands import bundle, paper, report, run, sweep, verify
+from posflock_robotarium.commands import bundle, calibrate, paper, report, run, sweep, verify
 from posflock_robotarium.errors import PosflockError
 from rps_compat.errors import RobotariumError
 
@@ -53,6 +53,7 @@ app.command(rich_help_panel=_SUBMIT)(bundle.rehearse)
 app.command(rich_help_panel=_SUBMIT)(verify.profile)
 for _command in (report.report, report.compare, report.replay, report.convert):
     app.command(rich_help_panel=_ANALYSE)(_command)
+app.command(rich_help_panel=_ANALYSE)(calibrate.calibrate)
 app.command(rich_help_panel=_STUDY)(paper.reproduce)
 app.command(rich_help_panel=_STUDY)(sweep.sweep)
 

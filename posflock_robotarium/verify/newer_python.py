@@ -16,10 +16,9 @@ import token
 import tokenize
 from collections.abc import Iterator
 
-from posflock_robotarium import testbed
+from posflock_robotarium import import_graph, testbed
 
-#: Modules and names of the standard library that came after 3.10.
-NEWER_MODULES = {"tomllib": "3.11", "annotationlib": "3.14", "compression": "3.14"}
+#: Names of the standard library that came after 3.10.
 NEWER_NAMES = {
     "typing": "Self LiteralString Never assert_never assert_type reveal_type Required NotRequired"
     " Unpack TypeVarTuple dataclass_transform override TypeAliasType get_protocol_members"
@@ -110,6 +109,9 @@ def newer_library(tree: ast.Module) -> Iterator[tuple[int, str]]:
         if isinstance(node, ast.Import):
             for alias in node.names:
                 modules[alias.asname or alias.name] = alias.name
+    for statement in import_graph.imports(tree):
+        if statement.top in testbed.NEWER_MODULES and not statement.guarded:
+            yield statement.line, f"the module {statement.top}"
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and not node.level:
             for alias in node.names:

@@ -1,8 +1,8 @@
 """Where trials are born and watched: a process that forks one child a trial.
 
-``python -m posflock_robotarium.verify.nursery`` reads one JSON request on its standard input,
-imports once what every trial needs, forks the trials, so many at a time, and writes one JSON line
-a finished trial.  Being a process of its own, whatever a script does to it does not reach the
+``python -m posflock_robotarium.verify.nursery`` reads JSON requests on its standard input, one a
+line, imports what every trial needs, forks the trials, so many at a time, and writes one JSON line
+a finished trial, and an empty one when a request is done.  Being a process of its own, whatever a script does to it does not reach the
 verifier.  A trial is killed, with everything it started in its process group, when it has not
 stepped for too long, or has used up its time.
 """
@@ -63,6 +63,7 @@ def serve(request: dict[str, Any]) -> None:
             children.remove(child)
             left = _survivors(child)
             print(json.dumps(_outcome(child, status, why, left)), flush=True)
+    print(flush=True)
 
 
 def _fork(plan: TrialPlan) -> _Child:
@@ -81,12 +82,26 @@ def _fork(plan: TrialPlan) -> _Child:
 
 
 def _overdue(child: _Child, stall: float, seconds: float) -> str | None:
-    """Say why a child must be ended now, if so."""
-    now = time.time()
-    _, _, written = read_pulse(child.pulse)
-    if now - max(written, child.started) > stall:
+    """Say why a child must be ended now, if so.
+
+    What counts is computing time; a busy machine must not make a sound script hang. A child that
+    waits uses none, so there is a wall clock limit, too, ten times as long.
+    """
+    now, used = time.time(), _cpu_seconds(child.pid)
+    _, _, wall, cpu = read_pulse(child.pulse)
+    if used - cpu > stall or now - max(wall, child.started) > 10 * stall:
         return "stall"
-    return "seconds" if now - child.started > seconds else None
+    return "seconds" if used > seconds or now - child.started > 10 * seconds else None
+
+
+def _cpu_seconds(pid: int) -> float:
+    """Return the computing time of a process; 0 where the system does not tell."""
+    try:
+        with open(f"/proc/{pid}/stat") as file:
+            fields = file.read().rpartition(")")[2].split()
+    except OSError:
+        return 0.0
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def _kill(child: _Child) -> None:
@@ -133,7 +148,7 @@ def _obituary(child: _Child, status: int, why: str | None) -> dict[str, Any]:
     """Say what is known of a trial that could not speak for itself."""
     from dataclasses import asdict
 
-    steps, t, _ = read_pulse(child.pulse)
+    steps, t, _, _ = read_pulse(child.pulse)
     outcome = Outcome(child.plan.name, steps=steps, time=t, clock=t, seed=child.plan.seed)
     outcome.generation = child.plan.generation
     outcome.profile = child.plan.profile.get("name", "ideal")
@@ -183,4 +198,5 @@ def _files(scratch: Path, script: str) -> dict[str, int]:
 
 
 if __name__ == "__main__":
-    serve(json.load(sys.stdin))
+    for line in sys.stdin:
+        serve(json.loads(line))

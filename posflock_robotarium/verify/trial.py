@@ -39,7 +39,7 @@ from posflock_robotarium import testbed
 
 #: Real functions, before a clock replaces them.
 _cpu, _wall = time.process_time, time.time
-_PULSE = struct.Struct("qdd")
+_PULSE = struct.Struct("qddd")
 _WRITE_FLAGS = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_TRUNC
 _PATH_EVENTS = frozenset(
     "os.remove os.rename os.mkdir os.rmdir os.link os.symlink os.chmod os.truncate os.chown"
@@ -248,7 +248,7 @@ class Watch:
         self._measure(t, arena)
         self._hear(t, arena)
         self._steps += 1
-        self._pulse[: _PULSE.size] = _PULSE.pack(self._steps, t, _wall())
+        self._pulse[: _PULSE.size] = _PULSE.pack(self._steps, t, _wall(), _cpu())
         if plan.kill_at is not None and t >= plan.kill_at:
             os.kill(os.getpid(), signal.SIGKILL)
         if plan.interrupt_at is not None and t >= plan.interrupt_at and not self._interrupted:
@@ -327,10 +327,10 @@ def open_pulse(results: Path) -> mmap.mmap:
         return mmap.mmap(file.fileno(), mmap.PAGESIZE)
 
 
-def read_pulse(pulse: mmap.mmap) -> tuple[int, float, float]:
-    """Return steps done, seconds of the run, and when that was written (0 before the first)."""
-    steps, t, written = _PULSE.unpack(pulse[: _PULSE.size])
-    return int(steps), float(t), float(written)
+def read_pulse(pulse: mmap.mmap) -> tuple[int, float, float, float]:
+    """Return steps done, seconds of the run, and wall clock and CPU time of the last step."""
+    steps, t, wall, cpu = _PULSE.unpack(pulse[: _PULSE.size])
+    return int(steps), float(t), float(wall), float(cpu)
 
 
 def _run(plan: TrialPlan, outcome: Outcome, pulse: mmap.mmap, deeds: int) -> None:
@@ -356,6 +356,7 @@ def _run(plan: TrialPlan, outcome: Outcome, pulse: mmap.mmap, deeds: int) -> Non
         realism=None if profile is None else imperfections,
         recorder=lambda robots: watch,
         created=watch.created,
+        wait=False,
     )
     scratch = os.path.realpath(plan.scratch)
     os.chdir(scratch)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import shutil
@@ -39,9 +40,10 @@ class Limits:
     jobs : int
         Trials at a time.
     stall : float
-        Seconds without a step after which a trial hangs.
+        Seconds of computing without a step after which a trial hangs; ten times that where it
+        does not compute but wait, since the machine may be busy.
     seconds : float
-        Longest trial, wall clock.
+        Seconds of computing that a trial may take, and ten times that by the wall clock.
     memory : int
         Bytes that it may allocate.
     """
@@ -99,12 +101,15 @@ class TrialRoom:
         self.generation = generation
         self.limits = limits
         self._folder = Path(tempfile.mkdtemp(prefix="posflock-verify-"))
-        self._given: dict[str, int] = {}
+        self._nursery: subprocess.Popen[str] | None = None
 
     def __enter__(self) -> TrialRoom:
         return self
 
     def __exit__(self, *_: object) -> None:
+        if self._nursery is not None:
+            self._nursery.terminate()
+            self._nursery.communicate()
         shutil.rmtree(self._folder, ignore_errors=True)
 
     def plan(self, name: str, profile: Profile | None = None, **settings: Any) -> TrialPlan:
@@ -131,44 +136,55 @@ class TrialRoom:
         """Run the trials, several at a time, and return them in the order of `plans`."""
         preload = [m for top in sorted(self.source.trace.libraries) for m in _PRELOAD.get(top, [])]
         request = {
-            "preload": [*preload, "matplotlib.pyplot", f"rps_compat.v{self.generation}.robotarium"],
+            "preload": [
+                "matplotlib.pyplot",
+                "rps_compat.profiles",
+                f"rps_compat.v{self.generation}.drawing",
+                f"rps_compat.v{self.generation}.robotarium",
+                *preload,
+            ],
             "plans": [asdict(plan) for plan in plans],
             "jobs": self.limits.jobs,
             "stall": self.limits.stall,
             "seconds": self.limits.seconds,
         }
-        environment = os.environ | {
-            "MPLBACKEND": "Agg",
-            "OPENBLAS_NUM_THREADS": "1",
-            "OMP_NUM_THREADS": "1",
-            "PYTHONBREAKPOINT": "0",
-            "PYTHONDONTWRITEBYTECODE": "1",
-        }
-        nursery = subprocess.Popen(
-            [sys.executable, "-m", "posflock_robotarium.verify.nursery"],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            env=environment,
-            cwd=self._folder,
-            text=True,
-        )
         found: dict[str, Outcome] = {}
-        with nursery:
-            assert nursery.stdin is not None
-            assert nursery.stdout is not None
-            nursery.stdin.write(json.dumps(request))
-            nursery.stdin.close()
-            try:
-                for line in nursery.stdout:
-                    outcome = Outcome(**json.loads(line))
-                    found[outcome.name] = outcome
-                    if tell is not None:
-                        tell(outcome)
-            finally:
-                nursery.terminate()
+        nursery = self._open()
+        assert nursery.stdin is not None
+        assert nursery.stdout is not None
+        with contextlib.suppress(BrokenPipeError):
+            nursery.stdin.write(json.dumps(request) + "\n")
+            nursery.stdin.flush()
+        for line in iter(nursery.stdout.readline, ""):
+            if not line.strip():
+                break
+            outcome = Outcome(**json.loads(line))
+            found[outcome.name] = outcome
+            if tell is not None:
+                tell(outcome)
         lost = Outcome("", ended="died", error={"type": "nursery", "message": "no answer"})
         return [self._ran(plan, found.get(plan.name, lost)) for plan in plans]
+
+    def _open(self) -> subprocess.Popen[str]:
+        """Return the nursery, started where there is none that lives."""
+        if self._nursery is None or self._nursery.poll() is not None:
+            environment = os.environ | {
+                "MPLBACKEND": "module://rps_compat.headless_backend",
+                "OPENBLAS_NUM_THREADS": "1",
+                "OMP_NUM_THREADS": "1",
+                "PYTHONBREAKPOINT": "0",
+                "PYTHONDONTWRITEBYTECODE": "1",
+            }
+            self._nursery = subprocess.Popen(
+                [sys.executable, "-m", "posflock_robotarium.verify.nursery"],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL,
+                env=environment,
+                cwd=self._folder,
+                text=True,
+            )
+        return self._nursery
 
     def _ran(self, plan: TrialPlan, outcome: Outcome) -> Ran:
         scratch = Path(plan.scratch)

@@ -1,0 +1,188 @@
+"""Bundles are flat, complete, unchanged, the same twice, and run on every Python."""
+
+import ast
+import hashlib
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from posflock_robotarium import bundle as bundling
+from posflock_robotarium import testbed
+from posflock_robotarium.bundle import (
+    INSTRUCTIONS,
+    MANIFEST,
+    BundleError,
+    as_package,
+    bundle,
+    check_manifest,
+    main_file,
+)
+from posflock_robotarium.errors import OutputError
+from posflock_robotarium.interpreters import installed_pythons
+
+EXPERIMENT = Path(__file__).parents[1] / "experiments" / "robotarium_9bot.py"
+
+
+@pytest.fixture
+def script(tmp_path):
+    """Return a script with a package, a subpackage, a plain module and a data file."""
+    home = tmp_path / "home"
+    (home / "team" / "sub").mkdir(parents=True)
+    (home / "main_script.py").write_text(
+        '"""Main."""\nimport helper\nimport team\nfrom team.sub import leaf\n'
+        "import team.control as control\n"
+        "print(helper.NAME, team.VERSION, leaf.gain(), control.gain(), leaf.gain is control.gain)\n"
+        "with open('goals.m') as goals:\n"
+        "    print(team.__name__, leaf.__name__, leaf.__package__, goals.read())\n"
+    )
+    (home / "helper.py").write_text("NAME = 'helper'\n")
+    (home / "team" / "__init__.py").write_text(
+        '"""A package."""\nfrom __future__ import annotations\n\nfrom .control import gain\n'
+        "VERSION = gain() + 1\n"
+    )
+    (home / "team" / "control.py").write_text("def gain():\n    return 2\n")
+    (home / "team" / "sub" / "__init__.py").write_text("")
+    (home / "team" / "sub" / "leaf.py").write_text("from ..control import gain\n")
+    (home / "goals.m").write_text("42")
+    return home / "main_script.py"
+
+
+EXPECTED = "helper 3 2 2 True\nteam team.sub.leaf team.sub 42\n"
+NAMES = {"main_script.py", "helper.py", "team.py", "control.py", "sub.py", "leaf.py", "goals.m"}
+
+
+def run(python, folder, main):
+    return subprocess.run(
+        [str(python), "-W", "error", "-B", main],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        env={"PATH": os.environ["PATH"]},
+        check=False,
+    )
+
+
+def test_a_bundle_is_flat_and_complete(script, tmp_path):
+    ready = bundle(script, tmp_path / "up", robots=3, run_seconds=100.0)
+    there = {path.name for path in (tmp_path / "up").iterdir()}
+    assert set(ready.files) == NAMES
+    assert there == NAMES | {MANIFEST, INSTRUCTIONS}
+    assert all(Path(name).suffix in testbed.ENDINGS for name in NAMES)
+    home = script.parent
+    for name, origin in {
+        "main_script.py": "main_script.py", "helper.py": "helper.py", "goals.m": "goals.m",
+        "control.py": "team/control.py", "leaf.py": "team/sub/leaf.py",
+    }.items():  # fmt: skip
+        assert (tmp_path / "up" / name).read_bytes() == (home / origin).read_bytes()
+    text = (tmp_path / "up" / INSTRUCTIONS).read_text()
+    assert "| Number of robots | 3 |" in text
+    assert "300 s" in text
+    assert main_file(tmp_path / "up") == "main_script.py"
+
+
+@pytest.mark.parametrize("version", [(3, minor) for minor in range(8, 14)])
+def test_a_bundle_runs_on_every_python(script, tmp_path, version):
+    python = installed_pythons().get(version) if version != sys.version_info[:2] else sys.executable
+    if python is None:
+        pytest.skip(f"no Python {version[0]}.{version[1]} here")
+    bundle(script, tmp_path / "up")
+    done = run(python, tmp_path / "up", "main_script.py")
+    assert (done.stdout, done.stderr) == (EXPECTED, "")
+
+
+def test_the_same_input_gives_the_same_bytes(script, tmp_path):
+    for name in ("one", "two"):
+        bundle(script, tmp_path / name)
+    for path in (tmp_path / "one").iterdir():
+        assert path.read_bytes() == (tmp_path / "two" / path.name).read_bytes()
+
+
+def test_the_manifest_is_sha256sums_and_finds_changes(script, tmp_path):
+    up = tmp_path / "up"
+    bundle(script, up)
+    for line in (up / MANIFEST).read_text().splitlines():
+        digest, name = line.split("  ")
+        assert hashlib.sha256((up / name).read_bytes()).hexdigest() == digest
+    assert set(check_manifest(up)) == NAMES
+    (up / "helper.py").write_text("NAME = 'other'\n")
+    with pytest.raises(BundleError, match=r"helper\.py was changed"):
+        check_manifest(up)
+    (up / "helper.py").unlink()
+    with pytest.raises(BundleError, match="missing"):
+        check_manifest(up)
+
+
+def test_an_earlier_bundle_is_replaced_and_nothing_else(script, tmp_path):
+    up = tmp_path / "up"
+    bundle(script, up)
+    bundle(script, up)
+    (up / "notes.txt").write_text("mine")
+    with pytest.raises(OutputError, match=r"notes\.txt"):
+        bundle(script, up)
+    assert (up / "notes.txt").read_text() == "mine"
+
+
+def write(home, name, text):
+    path = home / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("files", "reason"),
+    [
+        ({"a/__init__.py": "", "a/tools.py": "", "b/__init__.py": "", "b/tools.py": "",
+          "main_script.py": "import a.tools, b.tools"}, "would both be tools.py"),
+        ({"a/__init__.py": "", "a/random.py": "", "main_script.py": "import a.random"},
+         "hide Python's own module 'random'; rename the module, for example to a_random.py"),
+        ({"a/__init__.py": "", "a/cvxopt.py": "", "main_script.py": "import a.cvxopt"},
+         "hide the testbed's library 'cvxopt'"),
+        ({"main.py": "", "main_script.py": "import main"}, "which the testbed runs as main.py"),
+        ({"main_script.py": "import pandas"}, "line 1: imports pandas, which the testbed has not"),
+        ({"main_script.py": "import nothing_like_it"}, "neither beside the script"),
+        ({"main_script.py": "import rps_compat"}, "stands in for rps"),
+        ({"main_script.py": "open('goals.m')"}, "line 1: reads goals.m, which is not beside"),
+        ({"main_script.py": "open('d/goals.m')", "d/goals.m": ""}, "uploads are flat"),
+        ({"main_script.py": "open('goals.csv')", "goals.csv": ""}, "cannot be uploaded"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_laid_flat_is_refused_with_the_way_out(tmp_path, files, reason):
+    home = tmp_path / "home"
+    for name, text in files.items():
+        write(home, name, text)
+    with pytest.raises(BundleError, match=reason):
+        bundle(home / "main_script.py", tmp_path / "up")
+    assert not (tmp_path / "up").exists()
+
+
+def test_folders_without_init_are_packages_too(tmp_path):
+    home = tmp_path / "home"
+    write(home, "loose/inner.py", "x = 7\n")
+    main = write(home, "main_script.py", "from loose import inner\nprint(inner.x)\n")
+    bundle(main, tmp_path / "up")
+    assert run(sys.executable, tmp_path / "up", "main_script.py").stdout == "7\n"
+
+
+def test_uploads_may_be_limited_in_size(script, tmp_path):
+    with pytest.raises(BundleError, match="100 are allowed"):
+        bundle(script, tmp_path / "up", largest=100)
+
+
+@pytest.mark.parametrize("source", [b"", b'"""D."""', b"from __future__ import annotations", b"x=1"])
+def test_added_lines_come_where_python_wants_them(source):
+    tree = ast.parse(as_package(source))
+    compile(tree, "package", "exec")
+    assert as_package(source).count(b"__path__ =") == 1
+
+
+def test_the_experiment_goes_with_what_it_needs_and_no_more(tmp_path):
+    ready = bundle(EXPERIMENT, tmp_path / "up")
+    assert (tmp_path / "up" / EXPERIMENT.name).read_bytes() == EXPERIMENT.read_bytes()
+    assert {"flock.py", "law.py", "poselog.py", "unicycle.py", "solve_nnls.py"} <= set(ready.files)
+    assert {"posflock_robotarium.py", "barrier_certificates.py"} <= set(ready.files)
+    assert not {"cli.py", "runner.py", "arena.py", "solve_osqp.py"} & set(ready.files)
+    assert bundling.main_file(tmp_path / "up") == EXPERIMENT.name
