@@ -412,3 +412,11 @@ def test_json_of_a_log_is_found_from_its_name(tmp_path):
 
 def test_known_flocks_are_recordings():
     assert known_flock("rotating", 0.1, duration=1.0).recording.robots == 10
+
+
+def test_numbers_that_do_not_fit_are_refused_not_warned_about(tmp_path):
+    wide = POSES.astype(np.longdouble)
+    wide[3, 0, 0] = np.longdouble(10) ** 400
+    np.save(tmp_path / "wide.npy", wide)
+    with pytest.raises(LogError, match="row 3: x of robot 0 is inf"):
+        read(tmp_path / "wide.npy", ReadOptions(dt=STEP))
