@@ -177,7 +177,7 @@ def runs(analyses: Sequence[Analysis]) -> Figure:
                     linestyle="-" if crowded else dash,
                     linewidth=0.6 if crowded else 1.0,
                     alpha=0.6 if crowded else 1.0,
-                    label=None if crowded else analysis.name,
+                    label=None if crowded else _plain(analysis.name),
                 )
         if len(analyses) >= 3:
             _mean_band(axes, analyses, key)
@@ -228,6 +228,11 @@ def _curve(
     values = np.insert(analysis.curves[key].astype(float), gaps, np.nan)
     colour, dash = style
     axes.plot(t, values, color=colour, linestyle=dash, linewidth=width, label=_SHORT[key])
+
+
+def _plain(name: str) -> str:
+    """Return a run's name as matplotlib draws it letter by letter: no mathematics, never hidden."""
+    return f" {name}".replace("$", r"\$")
 
 
 def _legend_above(axes: Axes, columns: int, backwards: bool = False) -> None:
