@@ -26,7 +26,7 @@ from posflock_robotarium.drawing import (
 from posflock_robotarium.figures import snapshots
 from posflock_robotarium.poselog import Log
 from posflock_robotarium.report.analysis import Analysis
-from posflock_robotarium.report.compare import spread_of
+from posflock_robotarium.report.comparison import spread_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -24,7 +24,7 @@ from posflock_robotarium import __version__
 from posflock_robotarium.errors import OutputError, ParameterError
 from posflock_robotarium.report.analysis import Analysis
 from posflock_robotarium.report.catalogue import BY_KEY, Panel, panels
-from posflock_robotarium.report.compare import Comparison, compare
+from posflock_robotarium.report.comparison import Comparison, compare
 from posflock_robotarium.report.verdicts import headline
 from posflock_robotarium.report.words import number_text
 
