@@ -32,6 +32,7 @@ MOST_SECONDS = 5
 """For one file; sound files of this size take milliseconds."""
 
 STEP = 0.033
+GOOD = ("named error", "recording")
 
 
 def seeds(folder: Path) -> list[Path]:
@@ -122,13 +123,15 @@ def attempt(path: Path) -> str:
     return "recording" if sound else "unsound recording"
 
 
-def child(first: int, last: int, originals: list[Path], folder: Path, seed: int, pipe: int) -> None:
-    """Damage and read files `first` to `last`; tell each outcome before the next is begun."""
+def child(
+    numbers: range, originals: list[Path], folder: Path, seed: int, keep: Path | None, pipe: int
+) -> None:
+    """Damage and read some files; tell each outcome before the next is begun."""
     resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     warnings.simplefilter("error")
     contents = {path: path.read_bytes() for path in originals}
-    for number in range(first, last):
+    for number in numbers:
         rng = np.random.default_rng([seed, number])
         original = originals[number % len(originals)]
         other = originals[int(rng.integers(0, len(originals)))]
@@ -143,6 +146,8 @@ def child(first: int, last: int, originals: list[Path], folder: Path, seed: int,
         target = work / original.name
         outcome = attempt(target.with_suffix(".npy") if target.suffix == ".json" else target)
         signal.alarm(0)
+        if outcome not in GOOD:
+            _keep(folder, keep, number)
         os.write(pipe, f"{number}\t{original.name}\t{outcome[:300]!r}\n".encode())
 
 
@@ -166,7 +171,7 @@ def run(files: int, seed: int, keep: Path | None) -> tuple[Counter[str], list[st
             if process == 0:
                 os.close(reader)
                 try:
-                    child(number, last, originals, folder, seed, writer)
+                    child(range(number, last), originals, folder, seed, keep, writer)
                 finally:
                     os._exit(0)
             os.close(writer)
@@ -176,9 +181,8 @@ def run(files: int, seed: int, keep: Path | None) -> tuple[Counter[str], list[st
                     number = int(done) + 1
                     kind = outcome.strip("'\"").split(":")[0]
                     outcomes[kind] += 1
-                    if kind not in ("named error", "recording"):
+                    if kind not in GOOD:
                         wrong.append(f"file {done} ({name}): {outcome}")
-                        _keep(folder, keep, int(done))
             _, status = os.waitpid(process, 0)
             if number < last:
                 name = originals[number % len(originals)].name

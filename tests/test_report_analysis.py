@@ -11,7 +11,7 @@ import pytest
 from posflock_robotarium import metrics
 from posflock_robotarium.errors import LogError, ParameterError
 from posflock_robotarium.report import AnalysisOptions, Recording, analyse, load
-from posflock_robotarium.report.compare import compare, distinctly_named, spread_of
+from posflock_robotarium.report.comparison import compare, distinctly_named, spread_of
 from posflock_robotarium.report.truth import known_flock
 from posflock_robotarium.report.verdicts import headline
 

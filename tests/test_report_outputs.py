@@ -185,6 +185,14 @@ def test_the_report_command_writes_its_folder(log, tmp_path):
     }
 
 
+def test_what_cannot_be_read_is_one_line_and_exit_code_2(tmp_path):
+    command = [sys.executable, "-m", "posflock_robotarium", "report", tmp_path / "no.npy"]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == 2
+    assert done.stderr == f"posflock: {tmp_path / 'no.npy'}: no such file\n"
+    assert not list(tmp_path.iterdir())
+
+
 def test_the_report_command_prints_json(log, tmp_path):
     result = posflock("report", log, "-o", tmp_path / "out", "--no-figures", "--json")
     summary = json.loads(result.stdout)

@@ -2,18 +2,20 @@
 
 import json
 import pickle
+import zlib
 
 import h5py
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.io import savemat
+from scipy.io import loadmat, savemat
 
 from posflock_robotarium.errors import LogError
 from posflock_robotarium.poselog import PoseLog
 from posflock_robotarium.report import LayoutError, ReadOptions, Recording, read, read_parts
 from posflock_robotarium.report.readers.layouts import sideways_share, to_poses
+from posflock_robotarium.report.readers.matlab5 import read_matlab5
 from posflock_robotarium.report.truth import known_flock
 
 STEP = 0.033
@@ -143,6 +145,48 @@ def test_matlab_5_and_7_3_give_the_same(tmp_path):
         np.testing.assert_array_equal(recording.t, T)
     assert "MATLAB 5" in old.notes[0]
     assert "MATLAB 7.3" in new.notes[0]
+
+
+@pytest.mark.parametrize("packed", [False, True])
+@pytest.mark.parametrize("kind", ["f8", "f4", "i2", "u1", "i8"])
+def test_matlab_5_arrays_are_what_scipy_reads(tmp_path, kind, packed):
+    rng = np.random.default_rng(1)
+    variables = {
+        "cube": (100 * rng.random((3, 4, 9))).astype(kind),
+        "row": np.arange(7).astype(kind),
+        "one": np.array(3, dtype=kind),
+        "text": "hello",
+        "cell": np.array([1, "a"], dtype=object),
+        "complex": np.array([1j, 2]),
+        "nothing": np.zeros((0, 3)),
+    }
+    savemat(tmp_path / "run.mat", variables, do_compression=packed)
+    ours, theirs = read_matlab5(tmp_path / "run.mat"), loadmat(tmp_path / "run.mat")
+    assert set(ours) == {"cube", "row", "one", "nothing"}
+    for name, array in ours.items():
+        np.testing.assert_array_equal(array, theirs[name])
+
+
+def test_a_matlab_file_that_ends_scipys_process_is_refused(tmp_path):
+    savemat(tmp_path / "run.mat", {"poses": POSES})
+    content = bytearray((tmp_path / "run.mat").read_bytes())
+    at = content.index(b"poses") + 8  # the tag of the values: their type, then their length
+    assert content[at : at + 4] == b"\x09\0\0\0"
+    for wrong in (b"\0\0\0\0", b"\xff\xff\0\0"):
+        content[at : at + 4] = wrong
+        (tmp_path / "run.mat").write_bytes(content)
+        with pytest.raises(LogError, match="poses: values of unknown type"):
+            read(tmp_path / "run.mat", ReadOptions(dt=STEP))
+
+
+def test_a_small_file_may_not_unpack_to_gigabytes(tmp_path, monkeypatch):
+    monkeypatch.setattr("posflock_robotarium.report.readers.matlab5.LARGEST", 1 << 20)
+    bomb = zlib.compress(bytes((1 << 20) + 64))
+    head = b"MATLAB 5.0".ljust(124) + b"\x00\x01IM"
+    element = np.array([15, len(bomb)], "<u4").tobytes() + bomb
+    (tmp_path / "bomb.mat").write_bytes(head + element)
+    with pytest.raises(LogError, match="unpacks to more than 1 MB"):
+        read(tmp_path / "bomb.mat", ReadOptions(dt=STEP))
 
 
 HEADERS = {
@@ -412,3 +456,11 @@ def test_json_of_a_log_is_found_from_its_name(tmp_path):
 
 def test_known_flocks_are_recordings():
     assert known_flock("rotating", 0.1, duration=1.0).recording.robots == 10
+
+
+def test_numbers_that_do_not_fit_are_refused_not_warned_about(tmp_path):
+    wide = POSES.astype(np.longdouble)
+    wide[3, 0, 0] = np.longdouble(10) ** 400
+    np.save(tmp_path / "wide.npy", wide)
+    with pytest.raises(LogError, match="row 3: x of robot 0 is inf"):
+        read(tmp_path / "wide.npy", ReadOptions(dt=STEP))

@@ -129,7 +129,7 @@ def compare(
 
     Exit code 0, or 2 when a run cannot be read.
     """
-    from posflock_robotarium.report.compare import compare as compare_runs
+    from posflock_robotarium.report.comparison import compare as compare_runs
 
     analyses = _analyse(
         runs, _options(layout, columns, dt, array, False), radius, window, slowest, settle, False
@@ -172,9 +172,9 @@ def replay(
 
     posflock replay results/nine_robots.npy --video run.gif --speed 8
     """
+    from posflock_robotarium.commands.terminal import progress
     from posflock_robotarium.report import read
     from posflock_robotarium.report.analysis import robot_of
-    from posflock_robotarium.report.terminal import progress
     from posflock_robotarium.report.video import write_video
 
     recording = read(log, _options(layout, columns, dt, array, False))
@@ -241,19 +241,21 @@ def _analyse(
     settle: float,
     join: bool,
 ) -> list["Analysis"]:
+    from posflock_robotarium.commands.terminal import progress
     from posflock_robotarium.report import AnalysisOptions, analyse, load, read_parts
     from posflock_robotarium.report.analysis import is_analysis
-    from posflock_robotarium.report.compare import distinctly_named
+    from posflock_robotarium.report.comparison import distinctly_named
 
     options = AnalysisOptions(radius=radius, window=window, slowest=slowest, settle=settle)
     if join:
         return [analyse(read_parts(logs, reading), options)]
-    return distinctly_named(
-        [
-            load(log) if is_analysis(log) else analyse(log, options, read_options=reading)
-            for log in logs
-        ]
-    )
+    analyses = []
+    with progress("analysing") as told:
+        for done, log in enumerate(logs, start=1):
+            saved = is_analysis(log)
+            analyses.append(load(log) if saved else analyse(log, options, read_options=reading))
+            told(done, len(logs))
+    return distinctly_named(analyses)
 
 
 def _print_json(analyses: list["Analysis"]) -> None:

@@ -2,10 +2,12 @@
 
 `analyse` turns a log (ours, or any array, table or MATLAB file of poses) into an `Analysis`: curves
 over time, numbers with units and definitions, faults by the testbed's own tests, and verdicts in
-words. Everything else here draws, writes or compares analyses.
+words. `compare` puts several side by side, `write_report` makes the page, figures and tables.
 """
 
 from posflock_robotarium.report.analysis import Analysis, AnalysisOptions, analyse, load
+from posflock_robotarium.report.comparison import Comparison, compare
+from posflock_robotarium.report.outputs import write_report
 from posflock_robotarium.report.readers import (
     LayoutError,
     ReadOptions,
@@ -17,11 +19,14 @@ from posflock_robotarium.report.readers import (
 __all__ = [
     "Analysis",
     "AnalysisOptions",
+    "Comparison",
     "LayoutError",
     "ReadOptions",
     "Recording",
     "analyse",
+    "compare",
     "load",
     "read",
     "read_parts",
+    "write_report",
 ]

@@ -26,8 +26,7 @@ from posflock_robotarium.drawing import (
 from posflock_robotarium.figures import snapshots
 from posflock_robotarium.poselog import Log
 from posflock_robotarium.report.analysis import Analysis
-from posflock_robotarium.report.catalogue import BY_KEY
-from posflock_robotarium.report.compare import spread_of
+from posflock_robotarium.report.comparison import spread_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -72,6 +71,22 @@ def draw(analyses: Sequence[Analysis], folder: Path) -> list[Path]:
     return [path for name, draw_one in figures.items() for path in save(draw_one(), folder, name)]
 
 
+_SHORT = {
+    "gamma_motion": "motion",
+    "gamma_headings": "headings",
+    "gamma_differences": "raw differences",
+    "left_out_motion": "motion",
+    "left_out_headings": "headings",
+    "nearest_neighbour": "nearest neighbour",
+    "smallest_distance": "closest pair",
+    "cohesive_radius": "cohesive radius",
+    "wall_distance": "nearest wall",
+    "speed": "mean",
+    "drift": "centroid",
+}
+"""Legends for a column of print; what they mean is in the caption and in `catalogue`."""
+
+
 @in_style
 def alignment(analysis: Analysis) -> Figure:
     """Draw γ by its three estimators, and below it the share of robots that each leaves out."""
@@ -82,7 +97,7 @@ def alignment(analysis: Analysis) -> Figure:
         _curve(top, analysis, key, style, width=0.8 if key == "gamma_differences" else 1.2)
     top.set(ylabel="alignment γ (–)", ylim=(None, 1.05))
     top.axhline(1.0, color=GREY, linewidth=0.5, zorder=0)
-    top.legend(*_reversed_legend(top), loc="lower right")
+    _legend_above(top, 3, backwards=True)
     for key, style in (("left_out_headings", _STYLES[1]), ("left_out_motion", _STYLES[0])):
         _curve(bottom, analysis, key, style)
     bottom.set(xlabel="time (s)", ylabel="left out (–)", ylim=(-0.05, 1.05))
@@ -113,9 +128,8 @@ def distances(analysis: Analysis) -> Figure:
         ha="right",
         va="top",
     )
-    low, high = axes.get_ylim()
-    axes.set(xlabel="time (s)", ylabel="distance (m)", ylim=(min(0.0, low), 1.35 * high))
-    axes.legend(loc="upper right", ncols=2)
+    axes.set(xlabel="time (s)", ylabel="distance (m)", ylim=(min(0.0, axes.get_ylim()[0]), None))
+    _legend_above(axes, 2)
     _time_axis(axes, [analysis])
     return figure
 
@@ -138,8 +152,7 @@ def motion(analysis: Analysis) -> Figure:
     _curve(axes, analysis, "speed", _STYLES[0])
     _curve(axes, analysis, "drift", (BLACK, (0, (4, 1.5))))
     axes.set(xlabel="time (s)", ylabel="speed (m/s)", ylim=(0, None))
-    axes.set_ylim(0, 1.3 * axes.get_ylim()[1])
-    axes.legend(loc="upper right", ncols=2)
+    _legend_above(axes, 3)
     _time_axis(axes, [analysis])
     return figure
 
@@ -164,13 +177,13 @@ def runs(analyses: Sequence[Analysis]) -> Figure:
                     linestyle="-" if crowded else dash,
                     linewidth=0.6 if crowded else 1.0,
                     alpha=0.6 if crowded else 1.0,
-                    label=None if crowded else analysis.name,
+                    label=None if crowded else _plain(analysis.name),
                 )
         if len(analyses) >= 3:
             _mean_band(axes, analyses, key)
         axes.set(xlabel="time (s)", ylabel=label)
         _time_axis(axes, analyses)
-    left.legend(loc="lower right")
+    _legend_above(left, 4)
     return figure
 
 
@@ -196,12 +209,12 @@ def _mean_band(axes: Axes, analyses: Sequence[Analysis], key: str) -> None:
         grid,
         [s.low for s in spreads],
         [s.high for s in spreads],
-        color=BLUE,
-        alpha=0.25,
+        color=BLACK,
+        alpha=0.18,
         linewidth=0,
         label="95 % of the mean",
     )
-    axes.plot(grid, [s.mean for s in spreads], color=BLUE, linewidth=1.4, label="mean over runs")
+    axes.plot(grid, [s.mean for s in spreads], color=BLACK, linewidth=1.4, label="mean over runs")
 
 
 def _curve(
@@ -214,12 +227,26 @@ def _curve(
     t = np.insert(analysis.recording.t, gaps, np.nan)
     values = np.insert(analysis.curves[key].astype(float), gaps, np.nan)
     colour, dash = style
-    axes.plot(t, values, color=colour, linestyle=dash, linewidth=width, label=BY_KEY[key].label)
+    axes.plot(t, values, color=colour, linestyle=dash, linewidth=width, label=_SHORT[key])
 
 
-def _reversed_legend(axes: Axes) -> tuple[list[Any], list[Any]]:
-    handles, labels = axes.get_legend_handles_labels()
-    return handles[::-1], labels[::-1]
+def _plain(name: str) -> str:
+    """Return a run's name as matplotlib draws it letter by letter: no mathematics, never hidden."""
+    return f" {name}".replace("$", r"\$")
+
+
+def _legend_above(axes: Axes, columns: int, backwards: bool = False) -> None:
+    """Put the legend above the axes: no curve of any run can lie under it."""
+    handles, names = axes.get_legend_handles_labels()
+    order = -1 if backwards else 1
+    axes.figure.legend(
+        handles[::order],
+        names[::order],
+        loc="outside upper left",
+        ncols=columns,
+        handlelength=1.8,
+        columnspacing=1.0,
+    )
 
 
 def _time_axis(axes: Axes, analyses: Sequence[Analysis]) -> None:

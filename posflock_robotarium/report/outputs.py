@@ -13,7 +13,7 @@ import numpy as np
 
 from posflock_robotarium.errors import OutputError
 from posflock_robotarium.report.analysis import Analysis
-from posflock_robotarium.report.compare import Comparison, compare
+from posflock_robotarium.report.comparison import Comparison, compare
 from posflock_robotarium.report.page import write_page
 from posflock_robotarium.report.words import number_text
 
@@ -57,7 +57,7 @@ def write_report(
     figures : bool
         Also draw ``figures/``.
     labels : sequence of str, optional
-        What each of several runs counts as (see `compare.compare`).
+        What each of several runs counts as (see `comparison.compare`).
 
     Returns
     -------

@@ -24,7 +24,7 @@ from posflock_robotarium import __version__
 from posflock_robotarium.errors import OutputError, ParameterError
 from posflock_robotarium.report.analysis import Analysis
 from posflock_robotarium.report.catalogue import BY_KEY, Panel, panels
-from posflock_robotarium.report.compare import Comparison, compare
+from posflock_robotarium.report.comparison import Comparison, compare
 from posflock_robotarium.report.verdicts import headline
 from posflock_robotarium.report.words import number_text
 
@@ -191,7 +191,8 @@ def _overlay(panel: Panel, analyses: Sequence[Analysis], time: Floats) -> dict[s
         values = np.where(time <= elapsed[-1], analysis.curves[key][nearest], np.nan)
         series.append(_series(analysis.name, key, values))
     described = _described(panel, series)
-    described["title"] = f"{panel.title}: {BY_KEY[key].label}"
+    label = BY_KEY[key].label
+    described["title"] = label[0].upper() + label[1:] if label[0].isascii() else label
     return described
 
 
@@ -266,8 +267,10 @@ def _events(analysis: Analysis) -> list[dict[str, Any]]:
 
 
 def _spoken(comparison: Comparison) -> str:
-    words = [f"{count} × {short}" for short, count in comparison.outcomes.items()]
-    return "; ".join(words)
+    outcomes = comparison.outcomes.items()
+    if len(outcomes) == 1:
+        return f"all {next(iter(comparison.outcomes))}"
+    return "; ".join(f"{count} {short}" for short, count in outcomes)
 
 
 def _pretty(analysis: Analysis) -> str:

@@ -192,6 +192,7 @@ const plots = [];
 let quiet = false; // while we move cursors and scales ourselves, their hooks stay silent
 const tones = ["c0", "c1", "c2", "c3", "c4", "c5"];
 const dashes = [[], [7, 3], [2, 3], [9, 3, 2, 3], [4, 2], [1, 2]];
+const style = (k) => (k + Math.floor(k / 6)) % 6; // a seventh run has the first colour, but another dash
 
 /* A null before each gap, so that no line is drawn across it. */
 const breaks = data.gaps || [];
@@ -227,7 +228,7 @@ function build(panel) {
   const values = panel.series.map((series, k) => {
     const item = document.createElement("li"), button = document.createElement("button"), value = document.createElement("b");
     button.type = "button"; button.setAttribute("aria-pressed", "true");
-    const line = `<svg viewBox="0 0 22 6" aria-hidden="true"><line x1="0" y1="3" x2="22" y2="3" stroke="var(--${tones[k % 6]})" stroke-width="2.4" stroke-dasharray="${dashes[k % 6].join(" ")}"/></svg>`;
+    const line = `<svg viewBox="0 0 22 6" aria-hidden="true"><line x1="0" y1="3" x2="22" y2="3" stroke="var(--${tones[k % 6]})" stroke-width="2.4" stroke-dasharray="${dashes[style(k)].join(" ")}"/></svg>`;
     button.insertAdjacentHTML("afterbegin", line);
     button.append(series.label, value);
     button.addEventListener("click", () => {
@@ -269,7 +270,7 @@ function build(panel) {
     ],
     cursor: { y: false, drag: { x: true, y: false, setScale: true, dist: 6 }, points: { size: 6 }, bind: { dblclick: (u, target, handler) => (event) => { zoom(null); return null; } } },
     series: [{}, ...panel.series.map((series, k) => ({
-      label: series.label, stroke: () => colour[tones[k % 6]], width: 1.7, dash: dashes[k % 6], spanGaps: false, points: { show: false },
+      label: series.label, stroke: () => colour[tones[k % 6]], width: 1.7, dash: dashes[style(k)], spanGaps: false, points: { show: false },
     }))],
     hooks: {
       setCursor: [(u) => { if (!quiet && !state.playing && u.cursor.left >= 0) seek(u.posToVal(u.cursor.left, "x"), { from: u }); }],

@@ -1,4 +1,4 @@
-"""MATLAB files: ``.mat`` of version 5 (scipy) and 7.3, which is HDF5 (h5py).
+"""MATLAB files: ``.mat`` of version 5, and 7.3, which is HDF5.
 
 MATLAB stores the first axis first; version 7.3 files hold every array with its axes reversed, and
 are turned back here. Only numeric arrays are read: structures, cells, objects and functions are
@@ -7,26 +7,18 @@ left out and named.
 
 from __future__ import annotations
 
-import math
-import warnings
-import zlib
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.errors import LogError
+from posflock_robotarium.report.readers.matlab5 import read_matlab5
 
 Floats = NDArray[np.float64]
 
 LARGEST = 1 << 30
 """Bytes of one variable beyond which a file is refused."""
-
-SMALLEST_COMPRESSED = 1100
-"""zlib never packs more than 1032 bytes into one: a file that claims more is damaged."""
-
-_NUMERIC = {"double", "single", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64"}
 
 
 def read_mat(path: Path) -> tuple[dict[str, Floats], str]:
@@ -51,51 +43,10 @@ def read_mat(path: Path) -> tuple[dict[str, Floats], str]:
     if b"\x89HDF\r\n\x1a\n" in (start[:8], start[512:520]):
         variables, kind = _read_hdf5(path), "MATLAB 7.3"
     else:
-        variables, kind = _read_version_5(path), "MATLAB 5"
+        variables, kind = read_matlab5(path), "MATLAB 5"
     if not variables:
         raise LogError(f"{path}: no numeric variable in it")
     return variables, kind
-
-
-def _read_version_5(path: Path) -> dict[str, Floats]:
-    from scipy.io import loadmat, whosmat
-    from scipy.io.matlab import MatReadError
-
-    size = path.stat().st_size
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            promised = whosmat(str(path))
-            for name, shape, _ in promised:
-                cells = math.prod(shape)
-                if cells > min(LARGEST, size * SMALLEST_COMPRESSED) or any(s < 0 for s in shape):
-                    raise LogError(f"{path}: {name}: claims shape {shape} in {size} bytes")
-            wanted = [name for name, _, kind in promised if kind in _NUMERIC]
-            loaded = loadmat(str(path), variable_names=wanted) if wanted else {}
-    except LogError:
-        raise
-    except (
-        MatReadError,
-        ValueError,
-        TypeError,
-        OSError,
-        EOFError,
-        KeyError,
-        IndexError,
-        NotImplementedError,
-        OverflowError,
-        MemoryError,
-        AttributeError,
-        zlib.error,
-        UnicodeError,
-        AssertionError,
-    ) as error:
-        raise LogError(f"{path}: not a readable MATLAB 5 file ({error})") from error
-    return {
-        name: np.asarray(loaded[name], dtype=np.float64)
-        for name in wanted
-        if name in loaded and _numeric(loaded[name])
-    }
 
 
 def _read_hdf5(path: Path) -> dict[str, Floats]:
@@ -118,7 +69,3 @@ def _read_hdf5(path: Path) -> dict[str, Floats]:
     except Exception as error:  # h5py passes on whatever the HDF5 library reports
         raise LogError(f"{path}: not a readable MATLAB 7.3 file ({error})") from error
     return variables
-
-
-def _numeric(value: Any) -> bool:
-    return isinstance(value, np.ndarray) and value.dtype.kind in "fiu"

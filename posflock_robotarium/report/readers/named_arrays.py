@@ -201,4 +201,5 @@ def floats(array: NDArray[Any], where: str) -> Floats:
     """Return real numbers as floats; refuse anything else."""
     if array.dtype.kind not in "fiu":
         raise LogError(f"{where}: holds {array.dtype}, expected real numbers")
-    return np.asarray(array, dtype=np.float64)
+    with np.errstate(all="ignore"):  # what does not fit becomes NaN or infinite, and is refused
+        return np.asarray(array, dtype=np.float64)

@@ -24,6 +24,9 @@ Floats = NDArray[np.float64]
 LARGEST = 1 << 30
 """Bytes of one array beyond which a file is refused (900 s of 50 robots are 33 MB)."""
 
+LARGEST_ARCHIVE = 1 << 28
+"""Bytes to which an archive may unpack."""
+
 
 def read_npy(path: Path) -> NDArray[Any]:
     """Read one array, memory-mapped where that is possible.
@@ -66,8 +69,8 @@ def read_npz(path: Path) -> dict[str, NDArray[Any]]:
     try:
         with zipfile.ZipFile(path) as archive:
             members = [info for info in archive.infolist() if info.filename.endswith(".npy")]
-            if sum(info.file_size for info in members) > LARGEST:
-                raise LogError(f"{path}: claims more than {LARGEST >> 30} GB when unpacked")
+            if sum(info.file_size for info in members) > LARGEST_ARCHIVE:
+                raise LogError(f"{path}: claims more than {LARGEST_ARCHIVE >> 20} MB when unpacked")
             for info in members:
                 name = info.filename[:-4]
                 with archive.open(info) as file:
