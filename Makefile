@@ -12,7 +12,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: demo test test-slow test-numpy1 lint bench bench-nine lock clean help
+.PHONY: demo test test-slow test-numpy1 lint bench bench-nine bench-paper lock clean help
 .DEFAULT_GOAL := help
 
 help:  ## this list
@@ -56,10 +56,15 @@ lint: $(VENV)/.dev  ## ruff, mypy --strict, import rules
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: bench-nine  ## every benchmark
+bench: bench-nine bench-paper  ## every benchmark
 
 bench-nine: $(VENV)/.dev  ## the nine-robot experiment against its acceptance table
 	$(BIN)/python benchmarks/nine_robots.py
+
+bench-paper: $(VENV)/.dev  ## the paper's table over seeds, what flocks and sweeps cost
+	$(BIN)/python benchmarks/paper_table.py
+	$(BIN)/python benchmarks/freespace_speed.py
+	$(BIN)/python benchmarks/sweep_throughput.py
 
 lock:  ## renew constraints.txt from the ranges in setup.cfg (needs uv)
 	uv pip compile --universal --python-version 3.10 --extra dev --no-annotate --no-header -q setup.cfg -o constraints.txt
