@@ -13,10 +13,12 @@ export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
 .PHONY: demo test test-slow test-numpy1 lint bench bench-nine bench-barriers bench-report bench-fuzz lock clean help
+
+.PHONY: demo test test-slow test-numpy1 lint bench bench-nine bench-paper lock clean help
 .DEFAULT_GOAL := help
 
 help:  ## this list
-	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-16s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## /{printf "  make %-16s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 $(BIN)/python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10) and f"posflock needs Python 3.10 or newer; {sys.executable} is {sys.version.split()[0]}: try  make PYTHON=python3.11")'
@@ -56,7 +58,7 @@ lint: $(VENV)/.dev  ## ruff, mypy --strict, import rules
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: bench-nine bench-barriers bench-report bench-fuzz  ## every benchmark
+bench: bench-nine bench-rps bench-barriers bench-verify bench-report bench-fuzz bench-paper  ## every benchmark
 
 bench-nine: $(VENV)/.dev  ## the nine-robot experiment against its acceptance table
 	$(BIN)/python benchmarks/nine_robots.py
@@ -71,6 +73,11 @@ bench-report: $(VENV)/.dev  ## estimators against truth; cost of an analysis ove
 
 bench-fuzz: $(VENV)/.dev  ## twenty thousand damaged files through the readers of logs
 	$(BIN)/python benchmarks/fuzz_readers.py
+
+bench-paper: $(VENV)/.dev  ## the paper's table over seeds, what flocks and sweeps cost
+	$(BIN)/python benchmarks/paper_table.py
+	$(BIN)/python benchmarks/freespace_speed.py
+	$(BIN)/python benchmarks/sweep_throughput.py
 
 lock:  ## renew constraints.txt from the ranges in setup.cfg (needs uv)
 	uv pip compile --universal --python-version 3.10 --extra dev --no-annotate --no-header -q setup.cfg -o constraints.txt

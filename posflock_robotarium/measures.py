@@ -15,12 +15,14 @@ from numpy.typing import NDArray
 from posflock_robotarium import metrics
 from posflock_robotarium.errors import ParameterError
 from posflock_robotarium.freespace import Recording
-from posflock_robotarium.neighbour_search import TREE_FROM_AGENTS
 
 Floats = NDArray[np.float64]
 
 #: A flock counts as aligned from this γ on.
 ALIGNED = 0.9
+
+#: The variances are over all n² pairs; beyond so many agents they are left out.
+_ALL_PAIRS_UP_TO = 1_000
 
 #: Numbers in one (rows, n, n) array that still fits the processor's cache.
 _CACHED_NUMBERS = 20_000
@@ -49,7 +51,7 @@ class Measures:
     cohesive_radius : array
         Largest distance from the centroid, metres.
     distance_variance : array
-        Variance of the pairwise distances, m²; NaN for very large flocks, whose n² pairs
+        Variance of the pairwise distances, m²; NaN above a thousand agents, whose n² pairs
         are not looked at.
     change_variance : array
         Variance of the change of pairwise distances since t = 0, m²; NaN likewise.
@@ -206,7 +208,7 @@ def _measure_flock(recording: Recording, radius: float | Floats) -> Measures:
 
 def _measure_rows(p: Floats, v: Floats, first: Floats, radius: float | Floats) -> dict[str, Floats]:
     alignment = metrics.alignment(v, p, radius)
-    few = p.shape[-1] < TREE_FROM_AGENTS
+    few = p.shape[-1] <= _ALL_PAIRS_UP_TO
     unknown = np.full(len(p), np.nan)
     return {
         "gamma": alignment.gamma,

@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 #: From here on a k-d tree beats looking at all n² pairs (benchmarks/freespace_speed.py).
-TREE_FROM_AGENTS = 300
+TREE_FROM_AGENTS = 200
 
 
 @dataclass(frozen=True, eq=False)

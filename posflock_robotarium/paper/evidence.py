@@ -166,10 +166,10 @@ def variations() -> Iterator[Variation]:
             late = replace(base, model=model, sensing=Sensing(delay=value))
             yield Variation("delay", "s", value, late)
         for value in (0.0, 0.02, 0.1, 0.2, 0.4):
-            gone = replace(base, model=model, sensing=Sensing(failing=value, failure="vanish"))
-            yield Variation("vanishing agents", "", value, gone)
-            stuck = replace(base, model=model, sensing=Sensing(failing=value, failure="stop"))
-            yield Variation("stopping agents", "", value, stuck)
+            stuck = Sensing(failing=value, failure="stop")
+            gone = replace(stuck, failure="vanish") if value else stuck
+            yield Variation("vanishing agents", "", value, replace(base, model=model, sensing=gone))
+            yield Variation("stopping agents", "", value, replace(base, model=model, sensing=stuck))
     for value in _POSITION_NOISE:
         # The error of a difference of two positions, over the time between them.
         velocity_noise = 2.0**0.5 * value / DIFFERENCE_INTERVAL
@@ -215,14 +215,19 @@ def gather(
             [pool.submit(drive, seed, imperfect=imperfect) for seed in fewer]
             for imperfect in (False, True)
         ]
-        varied = [[pool.submit(_run, v.scenario, part) for part in _parts(fewer)] for v in changed]
+        # Many variations pass through the paper's own values: equal scenarios run once.
+        scenarios = {str(v.scenario.as_dict()): v.scenario for v in changed}
+        varied = {
+            text: [pool.submit(_run, scenario, part) for part in _parts(fewer)]
+            for text, scenario in scenarios.items()
+        }
         paper = {
             model: [pool.submit(_run_paper, model, part) for part in _parts(of_paper)]
             for model in Model
         }
         tasks: list[Future[object]] = [
             task
-            for group in (*driven, *varied, *paper.values())
+            for group in (*driven, *varied.values(), *paper.values())
             for task in group  # type: ignore[attr-defined]
         ]
         for done, task in enumerate(as_completed(tasks), start=1):
@@ -236,8 +241,8 @@ def gather(
                 m: np.concatenate([task.result()[2] for task in paper[m]]) for m in _IMPRINTED
             },
             variations=tuple(
-                (variation, _joined([task.result() for task in group]))
-                for variation, group in zip(changed, varied, strict=True)
+                (v, _joined([task.result() for task in varied[str(v.scenario.as_dict())]]))
+                for v in changed
             ),
             robots=_robots([task.result() for task in driven[0]]),
             imperfect_robots=_robots([task.result() for task in driven[1]]),
