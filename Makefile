@@ -12,9 +12,8 @@ export OPENBLAS_NUM_THREADS ?= 1
 export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: demo test test-slow test-numpy1 lint bench bench-nine bench-barriers bench-report bench-fuzz lock clean help
-
-.PHONY: demo test test-slow test-numpy1 lint bench bench-nine bench-paper lock clean help
+.PHONY: demo test test-slow test-numpy1 lint bench bench-nine bench-rps bench-barriers bench-verify \
+	bench-report bench-fuzz bench-paper lock clean help
 .DEFAULT_GOAL := help
 
 help:  ## this list
