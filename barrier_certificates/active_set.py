@@ -22,7 +22,9 @@ from scipy.sparse.linalg import splu
 
 from barrier_certificates.rows import FloatArray, IntArray, Rows
 
-_DENSE_UP_TO = 150  # binding rows; above, factorising the sparse matrix is faster
+# Binding rows; with more, OpenBLAS takes several threads, which on a busy machine wait for each other
+# for longer than the sparse factorisation takes.
+_DENSE_UP_TO = 100
 _POLISHES = 6
 _TIGHT = 1e-12  # binding rows hold as equations to within rounding, relative to the largest excess
 
@@ -129,7 +131,10 @@ def _solve_sparse(
     thin = rows.sparse(binding)
     try:
         factors = splu(
-            (thin @ thin.T).tocsc(), options={"SymmetricMode": True}, diag_pivot_thresh=0.0
+            (thin @ thin.T).tocsc(),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
         )
     except RuntimeError:  # exactly singular
         return None
