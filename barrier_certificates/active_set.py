@@ -22,8 +22,8 @@ from scipy.sparse.linalg import splu
 
 from barrier_certificates.rows import FloatArray, IntArray, Rows
 
-# Binding rows; with more, OpenBLAS takes several threads, which on a busy machine wait for each other
-# for longer than the sparse factorisation takes.
+# Binding rows; with more, OpenBLAS takes several threads, which on a busy machine wait for each
+# other for longer than the sparse factorisation takes.
 _DENSE_UP_TO = 100
 _POLISHES = 6
 _TIGHT = 1e-12  # binding rows hold as equations to within rounding, relative to the largest excess

@@ -75,8 +75,8 @@ Obstacle = Disc | Segment
 
 
 def _check(radius: float, *points: Point) -> None:
-    numbers = np.asarray(points, dtype=float)
-    if numbers.shape != (len(points), 2) or not np.all(np.isfinite(numbers)):
+    numbers = [np.asarray(point, dtype=float) for point in points]
+    if not all(n.shape == (2,) and np.all(np.isfinite(n)) for n in numbers):
         raise ParameterError(f"obstacle has points {points}; expected pairs of finite numbers")
     if not (math.isfinite(radius) and radius >= 0.0):
         raise ParameterError(f"obstacle has radius {radius}; expected zero or a positive number")
