@@ -19,7 +19,7 @@ from barrier_certificates.obstacles import Obstacle, ObstacleRows
 from barrier_certificates.pairs import PairRows
 from barrier_certificates.projection import Policy, ProjectionInfo, Projector
 from barrier_certificates.rowbook import Margin, RowBook
-from barrier_certificates.rows import Family, FloatArray, Scene
+from barrier_certificates.rows import Family, FloatArray, Rows, Scene
 from barrier_certificates.walls import WallRows, polygon, rectangle
 
 
@@ -202,7 +202,7 @@ class Certificate(ABC, Generic[Parameters]):
         info.smallest_h, info.clearance = barrier
         return velocity, info
 
-    def _watch(self, desired: FloatArray, rows: Any) -> tuple[FloatArray, ProjectionInfo]:
+    def _watch(self, desired: FloatArray, rows: Rows) -> tuple[FloatArray, ProjectionInfo]:
         """Certify with an eye on robots that are held, and tilt the commands of stuck ones."""
         assert self._monitor is not None
         command = desired

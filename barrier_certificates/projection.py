@@ -121,7 +121,14 @@ class Projector:
     on_infeasible : {"relax", "stop", "raise"}
         What to do when no velocity satisfies all rows.
     options : mapping, optional
-        Options for the solver, passed with each call and never set globally.
+        Options for the solver named, passed with each call and never set globally.
+
+    Raises
+    ------
+    ParameterError
+        If there is no such policy or solver, or options come without the name of a solver.
+    SolverNotInstalledError
+        If the solver is not installed; the message says what brings it.
     """
 
     def __init__(
@@ -135,6 +142,11 @@ class Projector:
                 f"on_infeasible is {on_infeasible!r}; expected one of {', '.join(get_args(Policy))}"
             )
         solvers.check(solver)
+        if options and solver == "auto":
+            raise ParameterError(
+                f"options {dict(options)} are for no solver in particular; expected its name too, "
+                f"solver= one of {', '.join(solvers.NAMES)}"
+            )
         self.solver = solver
         self.on_infeasible = on_infeasible
         self.options: Mapping[str, float] = dict(options or {})

@@ -179,6 +179,7 @@ def test_a_polygon_may_be_given_either_way_round():
         ({"wheel_disturbance": -1.0}, "wheel_disturbance"),
         ({"on_infeasible": "ignore"}, "on_infeasible"),
         ({"tilt": np.nan}, "tilt"),
+        ({"options": {"maxiter": 5}}, "options"),
     ],
     ids=lambda value: str(value),
 )
