@@ -22,7 +22,7 @@ from barrier_certificates.solve_nnls import solve as _solve_nnls
 
 Solve = Callable[[Rows, IntArray, FloatArray, Mapping[str, float]], "FloatArray | None"]
 
-LARGE = 300
+LARGE = 120
 """From this number of unknowns on, a sparse solver is chosen where one is installed."""
 
 

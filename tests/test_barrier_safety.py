@@ -358,3 +358,25 @@ def test_with_the_time_step_projection_points_land_where_they_should(seed, numbe
 def test_a_time_step_needs_a_limit_on_turning():
     with pytest.raises(ParameterError, match="turn_rate_limit or wheel_limit"):
         UnicycleCertificate(time_step=STEP, wheel_limit=None)
+
+
+@pytest.mark.parametrize("which", UNSAFE)
+def test_relaxed_unicycles_stay_within_what_their_motors_can_do(which):
+    certificate = UnicycleCertificate(
+        0.15, 100.0, unsafe_gain=1e9, boundary=ARENA, turn_rate_limit=3.6, time_step=STEP
+    )
+    points = np.array(UNSAFE[which])
+    heading = np.linspace(-2, 2, points.shape[1])
+    poses = np.vstack([points - D * np.stack([np.cos(heading), np.sin(heading)]), heading])
+    first = None
+    for _ in range(400):
+        velocity, info = certificate.project(np.zeros(points.shape), poses)
+        first = first or info
+        v, w = certificate.commands(velocity, poses)
+        assert np.abs(v).max() <= 0.2 + 1e-9
+        assert np.abs(w).max() <= 3.6 + 1e-9
+        assert (np.abs(v) + 0.0525 * np.abs(w)).max() <= 12.5 * 0.016 + 1e-9
+        assert info.status in ("trivial", "optimal", "relaxed")
+        assert info.status != "optimal" or info.violation <= 1e-9
+        poses = poses + STEP * np.stack([v * np.cos(poses[2]), v * np.sin(poses[2]), w])
+    assert info.clearance > max(first.clearance, -0.06)
