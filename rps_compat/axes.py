@@ -2,12 +2,12 @@
 
 Scripts plot in every step: a trail, a label, a marker. Matplotlib takes half a millisecond and more
 to make one artist, ten times a step of the simulator, and headless nobody looks. So from the
-eleventh call on, ``plot``, ``scatter``, ``text`` and ``arrow`` only note what was asked, with the
+fourth call on, ``plot``, ``scatter``, ``text`` and ``arrow`` only note what was asked, with the
 data as they are now. All is made, in order, when the axes are drawn or their contents asked for.
 What the calls return stands for the artist, and becomes it at the first use of an attribute; an
 artist that is removed before anybody saw it is never made.
 
-The first ten calls are carried out at once, so that a wrong argument fails where it is written.
+The first three calls are carried out at once, so that a wrong argument fails where it is written.
 """
 
 import copy
@@ -22,7 +22,7 @@ from matplotlib.patches import FancyArrow
 from matplotlib.text import Text
 
 #: Calls of each method that are carried out at once.
-EAGER = 10
+EAGER = 3
 
 _CLASSES = {"plot": Line2D, "scatter": PathCollection, "text": Text, "arrow": FancyArrow}
 
