@@ -98,7 +98,7 @@ class RunSettings:
     headless: bool | None = None
     initial: Initial = "published"
     seed: int | None = None
-    realism: Callable[[], Realism] | None = None
+    realism: Callable[[], Realism | None] | None = None
     timeout: float | None = None
     answers: Sequence[str] = ()
     out: Path | None = None
