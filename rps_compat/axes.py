@@ -140,6 +140,12 @@ class PutOffLines(list[Any]):
         return super().pop(index)
 
 
+def _made(handles: Any) -> Any:
+    if isinstance(handles, list | tuple):
+        return [handle._call.make() if type(handle) is PutOff else handle for handle in handles]
+    return handles
+
+
 def _single(args: list[Any]) -> bool:
     """Whether a call of ``plot`` with these arguments makes exactly one line."""
     data = [argument for argument in args if not isinstance(argument, str)]
@@ -215,6 +221,11 @@ class Axes(mpl_axes.Axes):
         """Draw an arrow, now or when it is seen."""
         call = self._put_off("arrow", args, kwargs)
         return super().arrow(*args, **kwargs) if call is None else PutOff(call)
+
+    def legend(self, *args: Any, **kwargs: Any) -> Any:
+        """Make a legend, which needs the artists themselves."""
+        made = [_made(argument) for argument in args]
+        return super().legend(*made, **{name: _made(value) for name, value in kwargs.items()})
 
     def _sci(self, im: Any) -> None:
         if type(im) is PutOff:  # plt.scatter makes its artist the current image
