@@ -66,6 +66,9 @@ bench-barriers: $(VENV)/.dev  ## certificates: speed against the common way; 200
 	$(BIN)/python benchmarks/barrier_speed.py
 	$(BIN)/python benchmarks/barrier_safety.py
 
+bench-rps: $(VENV)/.dev  ## steps a second of both API generations, construction, plotting
+	$(BIN)/python benchmarks/rps_speed.py
+
 bench-report: $(VENV)/.dev  ## estimators against truth; cost of an analysis over a run's length
 	$(BIN)/python benchmarks/estimator_truth.py
 	$(BIN)/python benchmarks/report_scaling.py

@@ -32,11 +32,14 @@ def parser() -> argparse.ArgumentParser:
     commands = top.add_subparsers(dest="command", required=True)
     run = commands.add_parser("run", help="run a Robotarium script as it is")
     run.add_argument("--api", type=int, choices=(1, 2), help="found from the script by default")
-    run.add_argument(
+    shown = run.add_mutually_exclusive_group()
+    shown.add_argument(
         "--headless",
-        action=argparse.BooleanOptionalAction,
+        action="store_true",
+        default=None,
         help="no window and no waiting; the default where there is no display",
     )
+    shown.add_argument("--window", dest="headless", action="store_false", help="show the arena")
     run.add_argument("--initial", choices=get_args(Initial), default="published")
     run.add_argument("--seed", type=int, help="of Python's and numpy's global generators")
     run.add_argument("--timeout", type=float, help="seconds of real time")

@@ -269,11 +269,10 @@ class Arena:
         bodies = self._bodies
         bodies.real = positions[0] + ahead * cosine
         bodies.imag = positions[1] + ahead * sine
-        gaps = bodies[i] - bodies[j]
-        squared = gaps.real**2 + gaps.imag**2
-        if _minimum(squared) <= reach * reach:
-            close = np.flatnonzero(squared <= reach * reach)
-            self.violations.close(self.steps, i[close], j[close], np.sqrt(squared[close]))
+        distances = np.abs(bodies.take(i) - bodies.take(j))
+        if _minimum(distances) <= reach:
+            close = np.flatnonzero(distances <= reach)
+            self.violations.close(self.steps, i[close], j[close], distances[close])
 
     def _drive(self, velocities: Array, cosine: Array, sine: Array) -> None:
         poses, dt = self.poses, self.robot.time_step
@@ -288,7 +287,9 @@ class Arena:
 
 def require_finite(velocities: Array) -> None:
     """Raise CommandError, naming robot and value, unless all `velocities` (2, N) are finite."""
-    if isfinite(_maximum(np.abs(velocities), axis=None, initial=0.0)):
+    # A sum of squares is finite only where all its terms are, and cheaper than asking each; it may
+    # overflow for finite velocities, so the answer no is asked again.
+    if isfinite(np.vdot(velocities, velocities)) or np.isfinite(velocities).all():
         return
     where = tuple(int(k) for k in np.argwhere(~np.isfinite(velocities))[0])
     what = ("forward speed", "turn rate")[where[0] % 2] if len(where) == 2 else "velocity"

@@ -2,12 +2,12 @@
 
 Scripts plot in every step: a trail, a label, a marker. Matplotlib takes half a millisecond and more
 to make one artist, ten times a step of the simulator, and headless nobody looks. So from the
-eleventh call on, ``plot``, ``scatter``, ``text`` and ``arrow`` only note what was asked, with the
+fourth call on, ``plot``, ``scatter``, ``text`` and ``arrow`` only note what was asked, with the
 data as they are now. All is made, in order, when the axes are drawn or their contents asked for.
 What the calls return stands for the artist, and becomes it at the first use of an attribute; an
 artist that is removed before anybody saw it is never made.
 
-The first ten calls are carried out at once, so that a wrong argument fails where it is written.
+The first three calls are carried out at once, so that a wrong argument fails where it is written.
 """
 
 import copy
@@ -22,7 +22,7 @@ from matplotlib.patches import FancyArrow
 from matplotlib.text import Text
 
 #: Calls of each method that are carried out at once.
-EAGER = 10
+EAGER = 3
 
 _CLASSES = {"plot": Line2D, "scatter": PathCollection, "text": Text, "arrow": FancyArrow}
 
@@ -140,6 +140,12 @@ class PutOffLines(list[Any]):
         return super().pop(index)
 
 
+def _made(handles: Any) -> Any:
+    if isinstance(handles, list | tuple):
+        return [handle._call.make() if type(handle) is PutOff else handle for handle in handles]
+    return handles
+
+
 def _single(args: list[Any]) -> bool:
     """Whether a call of ``plot`` with these arguments makes exactly one line."""
     data = [argument for argument in args if not isinstance(argument, str)]
@@ -215,6 +221,11 @@ class Axes(mpl_axes.Axes):
         """Draw an arrow, now or when it is seen."""
         call = self._put_off("arrow", args, kwargs)
         return super().arrow(*args, **kwargs) if call is None else PutOff(call)
+
+    def legend(self, *args: Any, **kwargs: Any) -> Any:
+        """Make a legend, which needs the artists themselves."""
+        made = [_made(argument) for argument in args]
+        return super().legend(*made, **{name: _made(value) for name, value in kwargs.items()})
 
     def _sci(self, im: Any) -> None:
         if type(im) is PutOff:  # plt.scatter makes its artist the current image

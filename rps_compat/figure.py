@@ -92,8 +92,9 @@ class ArenaFigure:
 
         _close_orphans()
         self.figure: Figure = _new_figure(size)
-        self.axes = Axes(self.figure, (0.0, 0.0, 1.0, 1.0))
-        self.figure.add_axes(self.axes)
+        self.figure.subplots_adjust(left=0, right=1, bottom=0, top=1)
+        self.axes = Axes(self.figure, 1, 1, 1)
+        self.figure.add_subplot(self.axes)
         self.axes.puts_off = not self.in_window
         _opened.append((weakref.ref(owner), self.figure))
         axes = self.axes

@@ -1,7 +1,7 @@
 """What the two generations of the API call things, and which of them a script was written for."""
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
@@ -171,8 +171,13 @@ def evidence_in(script: Path) -> Evidence:
     SyntaxError
         It is not Python.
     """
+    return evidence_of(_own_modules(script))
+
+
+def evidence_of(trees: Iterable[ast.Module]) -> Evidence:
+    """Read what speaks for either generation in syntax `trees`."""
     collector = _Collector()
-    for tree in _own_modules(script):
+    for tree in trees:
         collector.visit(tree)
     return Evidence(tuple(collector.first), tuple(collector.second))
 

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from rps_compat.errors import RobotariumError
-from rps_compat.generations import ATTRIBUTES, FUNCTIONS
+from rps_compat.generations import ATTRIBUTES, FUNCTIONS, evidence_of
 from rps_compat.versions import version_findings
 
 UTILITIES = ("barrier_certificates", "controllers", "graph", "misc", "transformations")
@@ -175,6 +175,8 @@ class _Names:
     def __init__(self, tree: ast.Module, text: _Text) -> None:
         self._tree, self._text = tree, text
         self._instances = set(_instances(tree))
+        # In a script of generation 2 the functions that both have mean generation 2's defaults.
+        self._second = evidence_of([tree]).generation == 2
         self._aliases = {
             alias.asname
             for node in ast.walk(tree)
@@ -232,13 +234,13 @@ class _Names:
         name = getattr(node.func, "id", getattr(node.func, "attr", ""))
         if name == "Robotarium" or (name == "__init__" and _calls_super(node)):
             yield from self._constructor(node)
-        elif name == "set_velocities" and node.args:
+        elif name == "set_velocities" and node.args and not self._second:
             yield from self._ids(node)
         elif name in self._own:
             return
         elif name in _CHECKS:
             yield from self._check(node, name)
-        elif name in FUNCTIONS or _parameters(1, name):
+        elif name in FUNCTIONS or (not self._second and _parameters(1, name)):
             yield from self._utility(node, name)
 
     def _constructor(self, node: ast.Call) -> Iterator[Finding]:

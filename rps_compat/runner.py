@@ -98,7 +98,7 @@ class RunSettings:
     headless: bool | None = None
     initial: Initial = "published"
     seed: int | None = None
-    realism: Callable[[], Realism] | None = None
+    realism: Callable[[], Realism | None] | None = None
     timeout: float | None = None
     answers: Sequence[str] = ()
     out: Path | None = None
@@ -195,8 +195,10 @@ class _Watch:
         self.instance: Any = None
 
     def append(self, time: float, poses: Array, commands: Array) -> None:
-        self._run.clock.advance(time - self._before)
-        self._before = time
+        # The step that begins now takes its time, whatever else the script does in it.
+        end = time + (self.instance._arena.robot.time_step if self.instance else 0.0)
+        self._run.clock.advance(end - self._before)
+        self._before = end
         if self.log is not None:
             self.log.append(time, poses, commands)
         film = self._run.film

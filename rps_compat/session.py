@@ -54,7 +54,7 @@ class Session:
 
     initial: Initial = "published"
     seed: int | None = None
-    realism: Callable[[], Realism] | None = None
+    realism: Callable[[], Realism | None] | None = None
     recorder: Callable[[int], Recorder] | None = None
     created: Callable[[Any], None] | None = None
     wait: bool | None = None

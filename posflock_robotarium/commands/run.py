@@ -28,6 +28,9 @@ def run(
     seed: Annotated[
         int | None, typer.Option(help="Seed of Python's and numpy's global generators.")
     ] = None,
+    realism: Annotated[
+        str, typer.Option(help="Imperfections: ideal, gritsbot_x, harsh, or a file profile.toml.")
+    ] = "ideal",
     timeout: Annotated[
         float | None, typer.Option(help="Stop the script after so many seconds.")
     ] = None,
@@ -62,6 +65,7 @@ def run(
     from posflock_robotarium.errors import ParameterError
     from posflock_robotarium.recording import open_pose_log
     from rps_compat.errors import RobotariumError
+    from rps_compat.profiles import load_profile
     from rps_compat.runner import RunSettings, run_script, snapshot_times, summary
 
     try:
@@ -70,6 +74,7 @@ def run(
             headless=headless,
             initial=initial,  # type: ignore[arg-type]  # checked by the session
             seed=seed,
+            realism=load_profile(realism).start,
             timeout=timeout,
             answers=answer or (),
             out=out or Path("runs") / script.stem,

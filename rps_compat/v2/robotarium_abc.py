@@ -217,6 +217,11 @@ class ARobotarium(ABC):
                 return refuse(self, name, generation=2)
             self._initialize_visualization()  # made when first asked for
             return self.__dict__[name]
+        if name == "_distance_endpoints":
+            raise AttributeError(
+                "there are no distance endpoints without distance sensors: "
+                "Robotarium(use_distance_sensors=True, ...)"
+            )
         if name == "_cm":
             self._cm = self.robot_colormap().cmap
             return self._cm
@@ -335,10 +340,7 @@ class ARobotarium(ABC):
     @property
     def _distance_endpoints(self) -> Array:
         if not self._distance_sensors_enabled:
-            raise AttributeError(
-                "there are no distance endpoints without distance sensors: "
-                "Robotarium(use_distance_sensors=True, ...)"
-            )
+            raise AttributeError  # told in words by __getattr__, which Python asks next
         return self._calculate_endpoints(self._distances)
 
     @property

@@ -1,0 +1,161 @@
+"""What has to change in a script of generation 1, and that the changed script does the same."""
+
+import textwrap
+
+import pytest
+from typer.testing import CliRunner
+
+from posflock_robotarium.cli import app
+from rps_compat.generations import evidence_in
+from rps_compat.lint import LintError, findings_in, rewritten
+from rps_compat.runner import RunSettings, run_script
+
+
+def lint(source):
+    source = textwrap.dedent(source).encode()
+    findings = findings_in(source)
+    return [(f.line, f.kind) for f in findings], rewritten(source, findings).decode()
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("r = Robotarium(5, True)", "r = Robotarium(number_of_robots=5, show_figure=True)"),
+        (
+            "r = Robotarium(number_of_robots=5)\nt = r.time_step  # s\nr.call_at_scripts_end()",
+            "r = Robotarium(number_of_robots=5)\nt = r.TIME_STEP  # s\nr.debug()",
+        ),
+        ("from rps.utilities.misc import at_pose", "from rps.utilities.misc import create_at_pose"),
+        (
+            "done = at_pose(x, goal, rotation_error=100)",
+            "done = create_at_pose(rotation_error=100)(x, goal)[1].nonzero()",
+        ),
+        ("at_pose(x, goal, 0.1, 0.2)", "create_at_pose(0.1, 0.2)(x, goal)[1].nonzero()"),
+        (
+            "c = create_single_integrator_barrier_certificate(100, 0.2)",
+            "c = create_si_barrier_certificate(barrier_gain=100, safety_radius=0.2)",
+        ),
+        (
+            "c = create_unicycle_barrier_certificate(magnitude_limit=0.1, safety_radius=0.2)",
+            "c = create_uni_barrier_certificate(velocity_magnitude_limit=0.1, safety_radius=0.2)",
+        ),
+        (
+            "c = create_si_position_controller(x_velocity_gain=2)",
+            "c = create_si_position_controller(x_velocity_gain=2, y_velocity_gain=1)",
+        ),
+        ("a, b = create_si_to_uni_mapping(0.05, np.pi)", "a, b = create_si_to_uni_mapping(0.05)"),
+        ("f = create_uni_to_si_dynamics()", "f = create_uni_to_si_mapping()[0]"),
+        ("poses = generate_initial_conditions(N, 0.4)", "poses = generate_random_poses(N, 0.4)"),
+        ("m = np.mat('1 2')", "m = np.asmatrix('1 2')"),
+        ("x = np.Inf; é = np.float_(1)", "x = np.inf; é = np.float64(1)"),
+    ],
+)
+def test_rewriting(old, new):
+    assert lint(old)[1] == new
+
+
+@pytest.mark.parametrize(
+    ("source", "finding"),
+    [
+        ("r = Robotarium(number_of_robots=1)\n\nr.boundaries", (3, "name")),
+        ("s = determine_marker_size(r, 0.1)", (1, "name")),
+        ("r.set_velocities(None, v)", (1, "argument")),
+        ("r.set_velocities([0], v)", (1, "argument")),
+        ("c = create_si_position_controller()", (1, "default")),
+        ("import tomllib", (1, "version")),
+        ("from typing import Self", (1, "version")),
+        ("\nx = np.asfarray([1])", (2, "version")),
+    ],
+)
+def test_findings(source, finding):
+    assert finding in lint(source)[0]
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "class Car:\n    time_step = 1\n\ncar = Car()\nprint(car.time_step, car.axes)",
+        "r = Robotarium(number_of_robots=3)\nr.set_velocities(np.arange(3), v)\nr.debug()",
+        "fig, axes = plt.subplots()\nfig.axes[0].figure",
+        "def at_pose(x):\n    return x\n\nat_pose(3)",
+        "x = np.float64(1.0) + np.inf",
+    ],
+)
+def test_nothing_to_find(source):
+    assert lint(source) == ([], source)
+
+
+def test_formatting_and_comments_stay():
+    source = """\
+    from rps.robotarium import *
+    r = Robotarium( 3 ,   # three
+                    False )
+    if True :   r.call_at_scripts_end( )  # the end
+    """
+    assert lint(source)[1] == textwrap.dedent(
+        """\
+        from rps.robotarium import *
+        r = Robotarium( number_of_robots=3 ,   # three
+                        show_figure=False )
+        if True :   r.debug( )  # the end
+        """
+    )
+
+
+def test_newer_syntax_is_named():
+    source = "try:\n    pass\nexcept* ValueError:\n    pass\n"
+    try:
+        compile(source, "", "exec")
+    except SyntaxError:
+        with pytest.raises(LintError):
+            lint(source)
+    else:
+        assert (3, "version") in lint(source)[0] or (1, "version") in lint(source)[0]
+
+
+GENERATION_1 = """
+import numpy as np
+from rps.robotarium import Robotarium
+from rps.utilities.barrier_certificates import *
+from rps.utilities.controllers import *
+from rps.utilities.misc import *
+from rps.utilities.transformations import *
+
+start = np.array([[-0.8, 0.8, 0.0], [0.0, 0.0, 0.6], [0.0, 3.0, -1.5]])
+goals = np.array([[0.8, -0.8, 0.1], [0.1, -0.1, -0.6], [0.0, 3.0, -1.5]])
+r = Robotarium(3, False, False, start)
+controller = create_si_position_controller()
+barrier = create_single_integrator_barrier_certificate_with_boundary(safety_radius=0.2)
+si_to_uni, uni_to_si = create_si_to_uni_mapping()
+for k in range(2000):
+    x = r.get_poses()
+    if np.size(at_pose(x, goals, position_error=0.1, rotation_error=100)) == 3:
+        break
+    dxi = barrier(controller(uni_to_si(x), goals[:2]), uni_to_si(x))
+    r.set_velocities(np.arange(3), si_to_uni(dxi, x))
+    r.step()
+print("there", k < 1999)
+r.call_at_scripts_end()
+"""
+
+
+def test_rewritten_script_runs_on_generation_2(tmp_path, capsys):
+    old, new = tmp_path / "old.py", tmp_path / "new.py"
+    old.write_text(GENERATION_1)
+    assert CliRunner().invoke(app, ["lint", str(old), "--to", "2", "-o", str(new)]).exit_code == 1
+    assert CliRunner().invoke(app, ["lint", str(new)]).exit_code == 0
+    assert (evidence_in(old).generation, evidence_in(new).generation) == (1, 2)
+    for script in (old, new):
+        result = run_script(script, (), RunSettings(headless=True, initial="exact", timeout=30))
+        assert result.exit_code == 0
+        assert "there True" in capsys.readouterr().out
+
+
+def test_lint_command_tells_lines(tmp_path):
+    script = tmp_path / "s.py"
+    script.write_text("r = Robotarium(number_of_robots=1)\nr.call_at_scripts_end()\n")
+    result = CliRunner().invoke(app, ["lint", str(script)])
+    assert result.exit_code == 1
+    assert f"{script}:2: call_at_scripts_end is a name of generation 1" in result.output
+    script.write_text("not python at all")
+    assert CliRunner().invoke(app, ["lint", str(script)]).exit_code != 0

@@ -1,0 +1,197 @@
+"""Scripts as people write them run as they are, and leave what they should."""
+
+import json
+import shutil
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from posflock_robotarium.poselog import read_log
+from posflock_robotarium.recording import open_pose_log
+from rps_compat.runner import RunSettings, ScriptError, run_script, summary
+
+SCRIPTS = Path(__file__).parent / "scripts"
+
+
+@pytest.fixture
+def run(tmp_path, capsys):
+    """Run one of the scripts in a folder of its own."""
+
+    def run(name, *arguments, **settings):
+        home = tmp_path / "home"
+        home.mkdir(exist_ok=True)
+        script = Path(shutil.copy(SCRIPTS / name, home))
+        settings = {"headless": True, "seed": 0, "timeout": 60, **settings}
+        result = run_script(
+            script,
+            arguments,
+            RunSettings(out=tmp_path / "out", recorder=open_pose_log, **settings),
+        )
+        printed = capsys.readouterr()
+        result_log = tmp_path / "out" / "poses.npy"
+        log = read_log(result_log) if result_log.exists() else None
+        return result, printed.out, printed.err, log
+
+    return run
+
+
+# What each script is, how it ends, and something that it prints when all went well.
+FINISHING = {
+    "goals_with_barriers.py": (1, "all there 5"),
+    "plot_on_axes.py": (1, "201 lines 4 texts"),
+    "bare_pyplot.py": (1, "121 120"),
+    "subclass_of_robotarium.py": (1, "speed 0.080 steps 100 x -1.00"),
+    "ids_of_all_kinds.py": (1, "0.0198"),
+    "poses_in_while.py": (1, "arrived after 203"),
+    "many_instances.py": (1, "[0, 0, 0"),
+    "saves_its_data.py": (1, "saved to ."),
+    "consensus.py": (1, "errors"),
+    "generation2_goals.py": (2, "done: True"),
+    "generation2_sensors.py": (2, "(2, 3) (3, 3) (3, 3) (3, 3) (3,) (2, 7, 3)\nTrue"),
+    "generation2_subsets.py": (2, "[0.08 0.08 0.08 0.08] 31"),
+    "either_generation.py": (1, "time step 0.033"),
+}
+
+
+@pytest.mark.parametrize("name", FINISHING)
+def test_script_finishes(run, name):
+    api, said = FINISHING[name]
+    result, out, err, log = run(name)
+    assert (result.ended, result.exit_code, result.api) == ("finished", 0, api), err
+    assert said in out
+    assert len(log.t) == result.reports[0].steps
+    assert np.isfinite(log.poses).all()
+
+
+def test_every_script_is_tested():
+    others = {"real_time_and_input.py", "runs_forever.py", "wrong_name.py", "divides_by_zero.py"}
+    assert {path.name for path in SCRIPTS.glob("*.py")} == FINISHING.keys() | others
+
+
+def test_clock_and_input_do_not_wait(run):
+    result, out, _, _ = run("real_time_and_input.py", answers=["0.1"])
+    # A step and its two sleeps are 0.2 s of the script's time.
+    assert "steps 25 speed 0.1 ''" in out
+    assert "How fast? 0.1" in out
+    assert result.exit_code == 0
+
+
+def test_endless_script_is_stopped_and_its_log_kept(run):
+    result, _, _, log = run("runs_forever.py", timeout=1.0)
+    assert (result.ended, result.exit_code) == ("timeout", 124)
+    assert "time limit of 1 s" in summary(result)
+    # The step in which it was stopped may have been begun and not ended.
+    assert len(log.t) - result.reports[0].steps in (0, 1)
+    assert len(log.t) > 100
+    assert log.metadata["ended"]["how"] == "interrupted"
+    assert "time limit" in log.metadata["ended"]["reason"]
+
+
+def test_wrong_name_gets_the_right_one(run):
+    result, _, err, log = run("wrong_name.py")
+    assert (result.ended, result.exit_code) == ("failed", 1)
+    assert "generation 1 calls this call_at_scripts_end()" in result.reason
+    assert "runner.py" not in err, "the traceback begins in the script"
+    assert len(log.t) == 20
+
+
+def test_command_that_is_no_number_stops_the_run(run):
+    result, _, _, log = run("divides_by_zero.py")
+    assert result.ended == "failed"
+    assert "the turn rate of robot 2 is nan" in result.reason
+    assert len(log.t) == 7
+    assert log.metadata["ended"]["how"] == "failed"
+
+
+def test_same_seed_same_bytes(run, tmp_path):
+    run("saves_its_data.py")
+    first = (tmp_path / "out" / "poses.npy").read_bytes()
+    run("saves_its_data.py", seed=1)
+    other = (tmp_path / "out" / "poses.npy").read_bytes()
+    run("saves_its_data.py")
+    assert (tmp_path / "out" / "poses.npy").read_bytes() == first != other
+
+
+def test_script_writes_where_it_says(run, tmp_path):
+    (tmp_path / "data").mkdir()
+    run("saves_its_data.py", str(tmp_path / "data"))
+    assert sorted(p.name for p in (tmp_path / "data").iterdir()) == [
+        "end.png", "poses.npy", "x.csv", "y.csv",
+    ]  # fmt: skip
+    assert [p.name for p in (tmp_path / "home").iterdir()] == ["saves_its_data.py"]
+
+
+def test_report_is_left_as_text_and_data(run, tmp_path):
+    result, _, _, _ = run("many_instances.py")
+    data = json.loads((tmp_path / "out" / "report.json").read_text())
+    assert len(data["reports"]) == 12
+    assert not data["clean"]
+    fault = next(f for r in data["reports"] for f in r["faults"] if f["kind"] == "collision")
+    assert fault["robots"] == [0, 1]
+    assert 0 < fault["worst"] < 0.135
+    text = (tmp_path / "out" / "report.txt").read_text()
+    assert "iteration(s) where robots collided." in text
+    assert (tmp_path / "out" / "poses-12.npy") in result.files
+
+
+def test_pictures_show_what_the_script_drew(run, tmp_path):
+    from matplotlib.image import imread
+
+    run("plot_on_axes.py", snapshots=(0.0, 3.0, float("inf")))
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert {"snapshot-0s.png", "snapshot-3s.png", "snapshot-end.png"} <= names
+    first, last = (imread(tmp_path / "out" / f"snapshot-{when}.png") for when in ("0s", "end"))
+    assert (np.abs(first - last).max(axis=2) > 0.2).sum() > 500, "robots and trails have moved"
+
+
+@pytest.mark.parametrize("ending", ["gif", "mp4"])
+def test_film_has_a_frame_for_every_moment(run, tmp_path, ending):
+    if ending == "mp4":
+        pytest.importorskip("imageio_ffmpeg")
+    result, _, _, _ = run("ids_of_all_kinds.py", video=Path(f"run.{ending}"))
+    film = tmp_path / "out" / f"run.{ending}"
+    assert film in result.files
+    if ending == "gif":
+        from PIL import Image
+
+        with Image.open(film) as frames:
+            assert frames.n_frames == 2, "0.2 s at ten frames a second"
+    else:
+        assert film.stat().st_size > 1000
+
+
+@pytest.mark.parametrize("initial", ["exact", "arrive", "drive"])
+@pytest.mark.parametrize("api", [1, 2])
+def test_initial_conditions_can_be_chosen(run, api, initial):
+    result, _, _, log = run("either_generation.py", initial=initial, api=api)
+    target = np.array([[-0.5, 0.5], [0, 0], [0, 0.0]])
+    start = log.poses[-20]
+    error = np.hypot(*(start - target)[:2]).max()
+    assert (error == 0) == (initial == "exact")
+    assert error <= {"exact": 0, "arrive": 0.05, "drive": 0.02}[initial]
+    assert (result.reports[0].steps > 20) == (initial == "drive")
+    assert result.clean
+
+
+def test_process_is_left_as_it_was(run):
+    import time
+
+    before = (Path.cwd(), list(sys.path), sys.argv, time.sleep, time.time, set(sys.meta_path))
+    random_state = np.random.get_state()[1].copy()  # noqa: NPY002
+    run("generation2_sensors.py")
+    assert before == (
+        Path.cwd(), list(sys.path), sys.argv, time.sleep, time.time, set(sys.meta_path),
+    )  # fmt: skip
+    assert (np.random.get_state()[1] == random_state).all()  # noqa: NPY002
+    assert not hasattr(np, "mat")
+    assert "rps" not in sys.modules
+
+
+def test_script_that_is_none(tmp_path):
+    with pytest.raises(ScriptError, match="No such file"):
+        run_script(tmp_path / "nothing.py")
+    (tmp_path / "text.py").write_text("once upon a time")
+    with pytest.raises(ScriptError, match="not a Python script"):
+        run_script(tmp_path / "text.py")
