@@ -75,11 +75,11 @@ def testbed(seed: int, robots: int = 4, rows: int = 1500) -> tuple[Log, dict[str
     return Log(np.arange(rows) * STEP, poses, commands, none.astype("U8"), none, none), truth
 
 
-def main() -> int:
+def main(arguments: list[str] | None = None) -> int:
     """Print required against measured; 1 where a bar is missed."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--fits", type=int, default=50)
-    options = parser.parse_args()
+    options = parser.parse_args(arguments)
     errors: dict[str, list[float]] = {}
     covered: dict[str, list[bool]] = {}
     began = time.process_time()

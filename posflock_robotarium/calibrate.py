@@ -56,8 +56,8 @@ from rps_compat.realism import (
 
 Floats = NDArray[np.float64]
 
-#: 95 % of a normal distribution lie within so many standard deviations.
-_Z = 1.959964
+#: 99 % of a normal distribution lie within so many standard deviations.
+_Z = 2.575829
 #: Rows below which nothing sensible can be fitted.
 _LEAST_ROWS = 60
 _LARGEST_DEAD_TIME, _LARGEST_LAG = 1.0, 1.0
@@ -65,7 +65,7 @@ _LARGEST_DEAD_TIME, _LARGEST_LAG = 1.0, 1.0
 
 @dataclass(frozen=True)
 class Estimate:
-    """A fitted number with its 95 % interval.
+    """A fitted number with its 99 % interval.
 
     Attributes
     ----------
@@ -547,9 +547,11 @@ def resimulate(log: Log, profile: Profile, seed: int = 0) -> Log:
     from rps_compat.arena import Arena
 
     dt = _time_step(log, None)
-    arena = Arena(
-        log.poses[0], realism=profile.start(), rng=np.random.default_rng(seed)
-    )
+    start = log.poses[0].copy()
+    if profile.heading_offset is not None and profile.heading_offset.radians.kind == "robots":
+        # The log's first headings have the offset already, which the profile will add.
+        start[2] -= profile.heading_offset.radians.draw(log.robots, np.random.default_rng(seed))
+    arena = Arena(start, realism=profile.start(), rng=np.random.default_rng(seed))
     poses = np.empty_like(log.poses)
     for k, command in enumerate(log.commands):
         poses[k] = arena.observe()

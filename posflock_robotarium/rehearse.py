@@ -111,6 +111,7 @@ def rehearse(
     generation: int = 2,
     initial: str = "arrive",
     timeout: float = 600.0,
+    environment: Environment | None = None,
     tell: Callable[[str], None] | None = None,
 ) -> Rehearsal:
     """Run the bundle in `folder` and put what comes back into `out`.
@@ -134,6 +135,8 @@ def rehearse(
         ``exact``, or ``drive``.
     timeout : float
         Seconds of real time after which the run is interrupted, and soon killed.
+    environment : Environment, optional
+        Where to run it instead of in the testbed's copy.
     tell : callable, optional
         Is told what is being done.
 
@@ -162,7 +165,7 @@ def rehearse(
     names, main = check_manifest(folder), main_file(folder)
     _empty(out)
     libraries = import_graph.trace(folder / main).libraries
-    environment = testbed_environment(libraries, tell)
+    environment = environment or testbed_environment(libraries, tell)
     if tell is not None:
         tell(f"rehearsing {main} under Python {environment.version}")
     with tempfile.TemporaryDirectory(prefix="posflock-rehearsal-") as room:
