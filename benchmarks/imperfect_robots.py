@@ -94,7 +94,7 @@ def main(arguments: list[str] | None = None) -> int:
         for name, value, bar, kind in lines:
             good = value >= 0.95 if kind == ">" else value == 0 if kind == "0" else True
             missed |= required and not good
-            mark = ("" if not bar or not required else "ok" if good else "MISSED")
+            mark = "" if not bar or not required else "ok" if good else "MISSED"
             print(f"  {name:<30} {value:9.4f}  {bar if required else '':<7} {mark}")
     return int(missed)
 

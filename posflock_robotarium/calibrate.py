@@ -10,8 +10,8 @@ with F the delayed and lagged command, averaged over a step.  Poses are seen wit
 and a heading offset.
 
 The fit looks at increments between frames: of the heading, and of the position along the
-heading.  For given :math:`\tau_d, \tau_l` they are linear in gains and bias, so those are solved for
-exactly and the search is over two numbers (variable projection).  An increment's noise is what
+heading.  For given :math:`\tau_d, \tau_l` they are linear in gains and bias, so those are solved
+for exactly and the search is over two numbers (variable projection).  An increment's noise is what
 the model does not explain, w, plus the difference of two jitters,
 
 .. math:: e_k = w_k + n_{k+1} - n_k,
@@ -223,8 +223,7 @@ def calibrate(log: Log, time_step: float | None = None) -> Calibration:
 
 @dataclass(frozen=True)
 class _Data:
-    """Increments of every robot: of position along the heading (m) and of heading (rad), (K, N),
-    and the commands that were given, (K, 2, N)."""
+    """Increments (K, N), along the heading (m) and of it (rad), and commands (K, 2, N)."""
 
     along: Floats
     turn: Floats
@@ -521,7 +520,9 @@ def _lateral_jitter(log: Log) -> Estimate:
 
 
 def _estimate(value: float, spread: float, least: float = -math.inf) -> Estimate:
-    return Estimate(float(value), max(least, float(value - _Z * spread)), float(value + _Z * spread))
+    return Estimate(
+        float(value), max(least, float(value - _Z * spread)), float(value + _Z * spread)
+    )
 
 
 # --- Simulating with what was fitted -----------------------------------------------------------

@@ -165,7 +165,7 @@ def rehearse(
     names, main = check_manifest(folder), main_file(folder)
     _empty(out)
     libraries = import_graph.trace(folder / main).libraries
-    environment = environment or testbed_environment(libraries, tell)
+    environment = environment or build_environment(libraries, tell)
     if tell is not None:
         tell(f"rehearsing {main} under Python {environment.version}")
     with tempfile.TemporaryDirectory(prefix="posflock-rehearsal-") as room:
@@ -195,7 +195,7 @@ def rehearse(
 # --- The environment ---------------------------------------------------------------------------
 
 
-def testbed_environment(
+def build_environment(
     libraries: Iterable[str], tell: Callable[[str], None] | None = None
 ) -> Environment:
     """Return a cached environment that has the testbed's version of these libraries.
@@ -239,9 +239,7 @@ def _nearest_python() -> tuple[Path, str]:
     pythons = installed_pythons()
     if testbed.PYTHON in pythons:
         return pythons[testbed.PYTHON], ""
-    nearest = min(
-        (v for v in pythons if v >= (3, 10)), key=lambda v: abs(v[1] - testbed.PYTHON[1])
-    )
+    nearest = min((v for v in pythons if v >= (3, 10)), key=lambda v: abs(v[1] - testbed.PYTHON[1]))
     return pythons[nearest], (
         f"the testbed runs Python {testbed.PYTHON[0]}.{testbed.PYTHON[1]}, which is not installed"
         f" here: rehearsed with {nearest[0]}.{nearest[1]}, which accepts newer syntax"
@@ -416,7 +414,9 @@ def report_on(done: Rehearsal) -> Path | None:
     from posflock_robotarium.report import analyse
     from posflock_robotarium.report.outputs import write_report
 
-    logs = [done.folder / name for name, found in done.files.items() if found.startswith("pose log")]
+    logs = [
+        done.folder / name for name, found in done.files.items() if found.startswith("pose log")
+    ]
     if not logs:
         return None
     written = write_report([analyse(log) for log in logs], done.folder / "report", figures=False)

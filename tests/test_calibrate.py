@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from benchmarks.calibration import testbed
+from benchmarks.calibration import simulated_testbed
 from posflock_robotarium.calibrate import Estimate, calibrate, delayed, resimulate, write_log
 from posflock_robotarium.errors import LogError
 from posflock_robotarium.poselog import Log, read_log
@@ -14,13 +14,11 @@ from rps_compat.draws import constant
 from rps_compat.profiles import profile_from_toml, profile_to_toml
 from rps_compat.realism import DeadTime, Imperfections, Lag, Profile
 
-testbed.__test__ = False
-
 
 @pytest.fixture(scope="module")
 def fitted():
     """Return a log of 25 s, what is true of its robots, and the fit."""
-    log, truth = testbed(3, robots=3, rows=750)
+    log, truth = simulated_testbed(3, robots=3, rows=750)
     return log, truth, calibrate(log)
 
 

@@ -11,11 +11,10 @@ from posflock_robotarium import testbed
 from posflock_robotarium.bundle import BundleError, bundle
 from posflock_robotarium.errors import OutputError, ParameterError
 from posflock_robotarium.poselog import read_log
-from posflock_robotarium.rehearse import Environment, rehearse, report_on, testbed_environment
+from posflock_robotarium.rehearse import Environment, rehearse, report_on
 from posflock_robotarium.verify.static import check_source
 from posflock_robotarium.verify.trials import Limits, TrialRoom
 
-testbed_environment.__test__ = False
 EXPERIMENT = Path(__file__).parents[1] / "experiments" / "robotarium_9bot.py"
 HERE = Environment(Path(sys.executable), "this one", {})
 SCRIPT = """\

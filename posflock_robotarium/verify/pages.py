@@ -68,7 +68,7 @@ def _strip(report: Report) -> dict[str, Any] | None:
     right = max(0.40, max(gap for gap, _, _ in gaps) * 1.1)
 
     def across(metres: float) -> float:
-        return round(20 + 600 * metres / right, 1)
+        return round(float(20 + 600 * metres / right), 1)
 
     return {
         "dots": [
