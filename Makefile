@@ -66,6 +66,11 @@ bench-barriers: $(VENV)/.dev  ## certificates: speed against the common way; 200
 	$(BIN)/python benchmarks/barrier_speed.py
 	$(BIN)/python benchmarks/barrier_safety.py
 
+bench-verify: $(VENV)/.dev  ## the flock under imperfections; calibration against truth; cost of verify
+	$(BIN)/python benchmarks/imperfect_robots.py
+	$(BIN)/python benchmarks/calibration.py
+	$(BIN)/python benchmarks/verify_cost.py
+
 bench-report: $(VENV)/.dev  ## estimators against truth; cost of an analysis over a run's length
 	$(BIN)/python benchmarks/estimator_truth.py
 	$(BIN)/python benchmarks/report_scaling.py
