@@ -69,6 +69,11 @@ bench-barriers: $(VENV)/.dev  ## certificates: speed against the common way; 200
 bench-rps: $(VENV)/.dev  ## steps a second of both API generations, construction, plotting
 	$(BIN)/python benchmarks/rps_speed.py
 
+bench-verify: $(VENV)/.dev  ## the flock under imperfections; calibration against truth; cost of verify
+	$(BIN)/python benchmarks/imperfect_robots.py
+	$(BIN)/python benchmarks/calibration.py
+	$(BIN)/python benchmarks/verify_cost.py
+
 bench-report: $(VENV)/.dev  ## estimators against truth; cost of an analysis over a run's length
 	$(BIN)/python benchmarks/estimator_truth.py
 	$(BIN)/python benchmarks/report_scaling.py

@@ -33,7 +33,9 @@ BARS = {"dead time": STEP, "lag": 0.20, "speed gain": 0.02, "turn gain": 0.02, "
 COVERAGE = 0.90
 
 
-def testbed(seed: int, robots: int = 4, rows: int = 1500) -> tuple[Log, dict[str, np.ndarray]]:
+def simulated_testbed(
+    seed: int, robots: int = 4, rows: int = 1500
+) -> tuple[Log, dict[str, np.ndarray]]:
     """Simulate robots with random imperfections under random commands of one to two seconds."""
     rng = np.random.default_rng([seed, 1])
     truth = {
@@ -75,16 +77,16 @@ def testbed(seed: int, robots: int = 4, rows: int = 1500) -> tuple[Log, dict[str
     return Log(np.arange(rows) * STEP, poses, commands, none.astype("U8"), none, none), truth
 
 
-def main() -> int:
+def main(arguments: list[str] | None = None) -> int:
     """Print required against measured; 1 where a bar is missed."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--fits", type=int, default=50)
-    options = parser.parse_args()
+    options = parser.parse_args(arguments)
     errors: dict[str, list[float]] = {}
     covered: dict[str, list[bool]] = {}
     began = time.process_time()
     for seed in range(options.fits):
-        log, truth = testbed(seed)
+        log, truth = simulated_testbed(seed)
         found = calibrate(log)
         estimates = {
             "dead time": (found.dead_time,),

@@ -67,12 +67,12 @@ def run(seed: int, profile: str, filtered: bool) -> dict[str, float]:
     }
 
 
-def main() -> int:
+def main(arguments: list[str] | None = None) -> int:
     """Print required against measured; 1 where a bar is missed."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seeds", type=int, default=20)
     parser.add_argument("--without-filter", action="store_true")
-    options = parser.parse_args()
+    options = parser.parse_args(arguments)
     missed = False
     for profile in ("gritsbot_x", "harsh"):
         one = partial(run, profile=profile, filtered=not options.without_filter)
@@ -94,7 +94,7 @@ def main() -> int:
         for name, value, bar, kind in lines:
             good = value >= 0.95 if kind == ">" else value == 0 if kind == "0" else True
             missed |= required and not good
-            mark = ("" if not bar or not required else "ok" if good else "MISSED")
+            mark = "" if not bar or not required else "ok" if good else "MISSED"
             print(f"  {name:<30} {value:9.4f}  {bar if required else '':<7} {mark}")
     return int(missed)
 

@@ -301,7 +301,7 @@ def read_manifest(folder: Path) -> list[tuple[str, str]]:
         lines = (folder / MANIFEST).read_text(encoding="utf-8").splitlines()
     except OSError as error:
         raise BundleError(
-            f"{folder}: holds no {MANIFEST}; make a bundle with `posflock bundle SCRIPT -o {folder}`"
+            f"{folder}: holds no {MANIFEST}; `posflock bundle SCRIPT -o {folder}` makes a bundle"
         ) from error
     return [(line[:64], line[66:]) for line in lines]
 

@@ -10,8 +10,8 @@ with F the delayed and lagged command, averaged over a step.  Poses are seen wit
 and a heading offset.
 
 The fit looks at increments between frames: of the heading, and of the position along the
-heading.  For given :math:`\tau_d, \tau_l` they are linear in gains and bias, so those are solved for
-exactly and the search is over two numbers (variable projection).  An increment's noise is what
+heading.  For given :math:`\tau_d, \tau_l` they are linear in gains and bias, so those are solved
+for exactly and the search is over two numbers (variable projection).  An increment's noise is what
 the model does not explain, w, plus the difference of two jitters,
 
 .. math:: e_k = w_k + n_{k+1} - n_k,
@@ -56,8 +56,8 @@ from rps_compat.realism import (
 
 Floats = NDArray[np.float64]
 
-#: 95 % of a normal distribution lie within so many standard deviations.
-_Z = 1.959964
+#: 99 % of a normal distribution lie within so many standard deviations.
+_Z = 2.575829
 #: Rows below which nothing sensible can be fitted.
 _LEAST_ROWS = 60
 _LARGEST_DEAD_TIME, _LARGEST_LAG = 1.0, 1.0
@@ -65,7 +65,7 @@ _LARGEST_DEAD_TIME, _LARGEST_LAG = 1.0, 1.0
 
 @dataclass(frozen=True)
 class Estimate:
-    """A fitted number with its 95 % interval.
+    """A fitted number with its 99 % interval.
 
     Attributes
     ----------
@@ -223,8 +223,7 @@ def calibrate(log: Log, time_step: float | None = None) -> Calibration:
 
 @dataclass(frozen=True)
 class _Data:
-    """Increments of every robot: of position along the heading (m) and of heading (rad), (K, N),
-    and the commands that were given, (K, 2, N)."""
+    """Increments (K, N), along the heading (m) and of it (rad), and commands (K, 2, N)."""
 
     along: Floats
     turn: Floats
@@ -521,7 +520,9 @@ def _lateral_jitter(log: Log) -> Estimate:
 
 
 def _estimate(value: float, spread: float, least: float = -math.inf) -> Estimate:
-    return Estimate(float(value), max(least, float(value - _Z * spread)), float(value + _Z * spread))
+    return Estimate(
+        float(value), max(least, float(value - _Z * spread)), float(value + _Z * spread)
+    )
 
 
 # --- Simulating with what was fitted -----------------------------------------------------------
@@ -547,9 +548,11 @@ def resimulate(log: Log, profile: Profile, seed: int = 0) -> Log:
     from rps_compat.arena import Arena
 
     dt = _time_step(log, None)
-    arena = Arena(
-        log.poses[0], realism=profile.start(), rng=np.random.default_rng(seed)
-    )
+    start = log.poses[0].copy()
+    if profile.heading_offset is not None and profile.heading_offset.radians.kind == "robots":
+        # The log's first headings have the offset already, which the profile will add.
+        start[2] -= profile.heading_offset.radians.draw(log.robots, np.random.default_rng(seed))
+    arena = Arena(start, realism=profile.start(), rng=np.random.default_rng(seed))
     poses = np.empty_like(log.poses)
     for k, command in enumerate(log.commands):
         poses[k] = arena.observe()

@@ -111,6 +111,7 @@ def rehearse(
     generation: int = 2,
     initial: str = "arrive",
     timeout: float = 600.0,
+    environment: Environment | None = None,
     tell: Callable[[str], None] | None = None,
 ) -> Rehearsal:
     """Run the bundle in `folder` and put what comes back into `out`.
@@ -134,6 +135,8 @@ def rehearse(
         ``exact``, or ``drive``.
     timeout : float
         Seconds of real time after which the run is interrupted, and soon killed.
+    environment : Environment, optional
+        Where to run it instead of in the testbed's copy.
     tell : callable, optional
         Is told what is being done.
 
@@ -162,7 +165,7 @@ def rehearse(
     names, main = check_manifest(folder), main_file(folder)
     _empty(out)
     libraries = import_graph.trace(folder / main).libraries
-    environment = testbed_environment(libraries, tell)
+    environment = environment or build_environment(libraries, tell)
     if tell is not None:
         tell(f"rehearsing {main} under Python {environment.version}")
     with tempfile.TemporaryDirectory(prefix="posflock-rehearsal-") as room:
@@ -192,7 +195,7 @@ def rehearse(
 # --- The environment ---------------------------------------------------------------------------
 
 
-def testbed_environment(
+def build_environment(
     libraries: Iterable[str], tell: Callable[[str], None] | None = None
 ) -> Environment:
     """Return a cached environment that has the testbed's version of these libraries.
@@ -236,9 +239,7 @@ def _nearest_python() -> tuple[Path, str]:
     pythons = installed_pythons()
     if testbed.PYTHON in pythons:
         return pythons[testbed.PYTHON], ""
-    nearest = min(
-        (v for v in pythons if v >= (3, 10)), key=lambda v: abs(v[1] - testbed.PYTHON[1])
-    )
+    nearest = min((v for v in pythons if v >= (3, 10)), key=lambda v: abs(v[1] - testbed.PYTHON[1]))
     return pythons[nearest], (
         f"the testbed runs Python {testbed.PYTHON[0]}.{testbed.PYTHON[1]}, which is not installed"
         f" here: rehearsed with {nearest[0]}.{nearest[1]}, which accepts newer syntax"
@@ -413,7 +414,9 @@ def report_on(done: Rehearsal) -> Path | None:
     from posflock_robotarium.report import analyse
     from posflock_robotarium.report.outputs import write_report
 
-    logs = [done.folder / name for name, found in done.files.items() if found.startswith("pose log")]
+    logs = [
+        done.folder / name for name, found in done.files.items() if found.startswith("pose log")
+    ]
     if not logs:
         return None
     written = write_report([analyse(log) for log in logs], done.folder / "report", figures=False)

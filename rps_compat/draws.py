@@ -132,4 +132,11 @@ class Curve:
         if not self.points:
             return 1.0
         at, factors = zip(*self.points, strict=True)
-        return np.interp(speeds, at, factors)
+        out: Array = np.interp(speeds, at, factors)
+        return out
+
+
+#: The curve that changes nothing.
+FLAT = Curve()
+#: The factor that changes nothing, for every robot.
+ONE = constant(1.0)

@@ -57,7 +57,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rps_compat.arena import GRITSBOT_X
-from rps_compat.draws import Curve, Draw, ProfileError, constant, require
+from rps_compat.draws import FLAT, ONE, Curve, Draw, ProfileError, require
 
 Array = NDArray[np.float64]
 #: Takes commands (2, N) and each robot's seconds since its last command (N,), which it may
@@ -111,7 +111,8 @@ class CommandLoss:
             held[:, arrived] = velocities[:, arrived]
             silence[:] = np.where(arrived, 0.0, silence + time_step)
             age[:] = silence
-            return held.copy()
+            out: Array = held.copy()
+            return out
 
         return lose
 
@@ -136,7 +137,7 @@ class Watchdog:
 
         def brake(velocities: Array, age: Array) -> Array:
             silent = age >= self.seconds
-            return np.where(silent, 0.0, velocities) if silent.any() else velocities
+            return _stopped(velocities, silent)
 
         return brake
 
@@ -157,7 +158,7 @@ class DeadTime:
     """
 
     seconds: Draw
-    by_speed: Curve = Curve()
+    by_speed: Curve = FLAT
 
     def __post_init__(self) -> None:
         self.seconds.require_at_least(0.0, "dead_time.seconds")
@@ -208,7 +209,7 @@ class DeadBand:
 
         def rest(velocities: Array, age: Array) -> Array:
             off = (np.abs(velocities[0]) < self.speed) & (np.abs(velocities[1]) < self.turn)
-            return np.where(off, 0.0, velocities) if off.any() else velocities
+            return _stopped(velocities, off)
 
         return rest
 
@@ -225,10 +226,10 @@ class Gains:
         Further factors, at the commanded |v| in m/s and |ω| in rad/s.
     """
 
-    speed: Draw = constant(1.0)
-    turn: Draw = constant(1.0)
-    by_speed: Curve = Curve()
-    by_turn: Curve = Curve()
+    speed: Draw = ONE
+    turn: Draw = ONE
+    by_speed: Curve = FLAT
+    by_turn: Curve = FLAT
 
     def __post_init__(self) -> None:
         self.speed.require_at_least(0.0, "gains.speed")
@@ -262,7 +263,7 @@ class Lag:
     """
 
     seconds: Draw
-    by_speed: Curve = Curve()
+    by_speed: Curve = FLAT
 
     def __post_init__(self) -> None:
         self.seconds.require_at_least(0.0, "lag.seconds")
@@ -330,7 +331,7 @@ class TurnBias:
         rate = self.rate.draw(robots, rng)
 
         def turn(velocities: Array, age: Array) -> Array:
-            out = velocities.copy()
+            out: Array = velocities.copy()
             out[1] += np.where(_on(velocities), rate, 0.0)
             return out
 
@@ -365,6 +366,15 @@ class Disturbance:
         return disturb
 
 
+def _stopped(velocities: Array, which: NDArray[np.bool_]) -> Array:
+    """Return velocities (2, N) with those of robots `which` (N,) set to zero."""
+    if not which.any():
+        return velocities
+    out: Array = velocities.copy()
+    out[:, which] = 0.0
+    return out
+
+
 def _on(velocities: Array) -> NDArray[np.bool_]:
     """Whose motors turn, (N,), at velocities (2, N)."""
     on: NDArray[np.bool_] = (np.abs(velocities[0]) >= OFF_SPEED) | (
@@ -393,7 +403,7 @@ class HeadingOffset:
         offset = self.radians.draw(robots, rng)
 
         def skew(poses: Array, speeds: Array) -> Array:
-            out = poses.copy()
+            out: Array = poses.copy()
             out[2] = _wrapped(out[2] + offset)
             return out
 
@@ -417,7 +427,7 @@ class TrackingJitter:
     along: float = 0.0
     lateral: float = 0.0
     heading: float = 0.0
-    by_speed: Curve = Curve()
+    by_speed: Curve = FLAT
 
     def __post_init__(self) -> None:
         for name in ("along", "lateral", "heading"):
@@ -477,7 +487,8 @@ class TrackingDropout:
                 seen = until <= time
                 last[:, seen] = poses[:, seen]
             time += time_step
-            return last.copy()
+            out: Array = last.copy()
+            return out
 
         return drop
 
@@ -604,7 +615,7 @@ class Imperfections:
 
     def observe(self, poses: Array) -> Array:
         """Poses (3, N) as the tracking system reports true `poses` (3, N), which stay unchanged."""
-        seen = poses.copy()
+        seen: Array = poses.copy()
         for stage in self._tracking:
             seen = stage(seen, self._speeds)
         return seen

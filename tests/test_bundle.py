@@ -172,7 +172,9 @@ def test_uploads_may_be_limited_in_size(script, tmp_path):
         bundle(script, tmp_path / "up", largest=100)
 
 
-@pytest.mark.parametrize("source", [b"", b'"""D."""', b"from __future__ import annotations", b"x=1"])
+@pytest.mark.parametrize(
+    "source", [b"", b'"""D."""', b"from __future__ import annotations", b"x=1"]
+)
 def test_added_lines_come_where_python_wants_them(source):
     tree = ast.parse(as_package(source))
     compile(tree, "package", "exec")

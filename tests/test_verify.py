@@ -19,7 +19,7 @@ from posflock_robotarium.verify.findings import (
     wilson_interval,
 )
 from posflock_robotarium.verify.pages import html, write_report
-from posflock_robotarium.verify.trials import Limits
+from posflock_robotarium.verify.trials import Limits, Nursery
 
 ZOO = Path(__file__).parent / "zoo"
 FAULTY = sorted((ZOO / "faulty").glob("*.py"))
@@ -40,17 +40,28 @@ def planted(script):
     raise AssertionError(f"{script.name} declares no defect")
 
 
-def examine(script, trials):
+@pytest.fixture(scope="module")
+def nursery():
+    """Share the process that runs trials: it costs as much to start as a zoo script to run."""
+    with Nursery() as shared:
+        yield shared
+
+
+def examine(script, trials, nursery):
     declared = re.search(r"# declared: (\d+)", script.read_text())
     return verify(
-        script, trials=trials, limits=LIMITS, declared=float(declared[1]) if declared else None
+        script,
+        trials=trials,
+        limits=LIMITS,
+        declared=float(declared[1]) if declared else None,
+        nursery=nursery,
     )
 
 
 @pytest.mark.parametrize("script", FAULTY, ids=lambda path: path.stem)
-def test_the_planted_defect_is_named_and_no_other(script):
+def test_the_planted_defect_is_named_and_no_other(script, nursery):
     code, line, time = planted(script)
-    report = examine(script, trials=0)
+    report = examine(script, 0, nursery)
     worse = [f for f in report.findings if f.verdict > Verdict.PASS]
     assert [f.code for f in worse] == [code], worse
     (finding,) = worse
@@ -64,16 +75,16 @@ def test_the_planted_defect_is_named_and_no_other(script):
 
 
 @pytest.mark.parametrize("script", SOUND, ids=lambda path: path.stem)
-def test_sound_scripts_pass(script):
-    report = examine(script, trials=1)
+def test_sound_scripts_pass(script, nursery):
+    report = examine(script, 1, nursery)
     assert report.verdict is Verdict.PASS, report.findings
     assert report.exit_code == 0
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("script", SOUND, ids=lambda path: path.stem)
-def test_sound_scripts_pass_on_twenty_seeds(script):
-    assert examine(script, trials=20).verdict is Verdict.PASS
+def test_sound_scripts_pass_on_twenty_seeds(script, nursery):
+    assert examine(script, 20, nursery).verdict is Verdict.PASS
 
 
 @pytest.mark.slow
@@ -88,8 +99,8 @@ def test_nothing_is_left_behind_by_scripts_that_write_elsewhere():
     assert not (Path.home() / "posflock-zoo.npy").exists()
 
 
-def test_a_report_is_the_same_data_in_json_and_html(tmp_path):
-    report = examine(ZOO / "faulty" / "head_on_collision.py", trials=2)
+def test_a_report_is_the_same_data_in_json_and_html(tmp_path, nursery):
+    report = examine(ZOO / "faulty" / "head_on_collision.py", 2, nursery)
     data, page = write_report(report, tmp_path / "out")
     said = json.loads(data.read_text())
     assert said["schema"] == "posflock verify 1"

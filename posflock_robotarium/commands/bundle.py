@@ -1,29 +1,38 @@
 """``posflock bundle`` and ``posflock rehearse``: what to upload, and a run of it."""
 
 from pathlib import Path
+from typing import Annotated
 
 import typer
 
 
 def bundle(
-    script: Path = typer.Argument(..., help="The experiment's main file."),
-    out: Path = typer.Option(..., "--out", "-o", help="Folder to write: new, empty or a bundle."),
-    data: list[Path] = typer.Option([], help="A data file to take along; may be repeated."),
-    run: bool = typer.Option(
-        True, help="Run the script once to learn what to enter for robots and duration."
-    ),
-    max_size: float = typer.Option(0.0, help="Largest upload in MiB; 0 is no limit."),
-    json_only: bool = typer.Option(False, "--json", help="Print what was written as JSON."),
+    script: Annotated[Path, typer.Argument(help="The experiment's main file.", show_default=False)],
+    out: Annotated[
+        Path,
+        typer.Option(
+            "--out", "-o", help="Folder to write: new, empty or a bundle.", show_default=False
+        ),
+    ],
+    data: Annotated[
+        list[Path] | None, typer.Option(help="A data file to take along; may be repeated.")
+    ] = None,
+    run: Annotated[
+        bool,
+        typer.Option(help="Run the script once to learn what to enter for robots and duration."),
+    ] = True,
+    max_size: Annotated[float, typer.Option(help="Largest upload in MiB; 0 is no limit.")] = 0.0,
+    json_only: Annotated[
+        bool, typer.Option("--json", help="Print what was written as JSON.")
+    ] = False,
 ) -> None:
     """Lay a script and all it imports flat, ready to be uploaded.
 
     Exit code 0, or 2 with the reason and the way out where it cannot be laid flat.
 
-    Examples:
+        posflock bundle experiments/robotarium_9bot.py -o upload
 
-      posflock bundle experiments/robotarium_9bot.py -o upload
-
-      posflock bundle main.py -o upload --data goals.npy --no-run
+        posflock bundle main.py -o upload --data goals.npy --no-run
     """
     from posflock_robotarium.bundle import bundle as lay_flat
     from posflock_robotarium.verify.trials import robots_and_seconds
@@ -32,7 +41,7 @@ def bundle(
     ready = lay_flat(
         script,
         out,
-        data=data,
+        data=data or [],
         robots=robots,
         run_seconds=seconds,
         largest=int(max_size * 2**20) if max_size > 0 else None,
@@ -55,31 +64,35 @@ def bundle(
 
 
 def rehearse(
-    folder: Path = typer.Argument(..., help="A bundle, made by `posflock bundle`."),
-    out: Path = typer.Option(
-        Path("rehearsal"), "--out", "-o", help="New or empty folder for what comes back."
-    ),
-    duration: float = typer.Option(900.0, "--duration", "-d", help="Declared duration, seconds."),
-    profile: str = typer.Option(
-        "gritsbot_x", help="Imperfections: ideal, gritsbot_x, harsh, or a TOML file."
-    ),
-    seed: int = typer.Option(0, help="Of everything random that is the testbed's."),
-    generation: int = typer.Option(2, help="Generation of the API, 1 or 2."),
-    initial: str = typer.Option(
-        "arrive", help="arrive (within 5 cm and 0.2 rad), exact, or drive."
-    ),
-    timeout: float = typer.Option(600.0, help="Seconds of real time it may take."),
-    report: bool = typer.Option(True, help="Open returned pose logs with posflock report."),
-    json_only: bool = typer.Option(False, "--json", help="Print the outcome as JSON."),
+    folder: Annotated[
+        Path, typer.Argument(help="A bundle, made by `posflock bundle`.", show_default=False)
+    ],
+    out: Annotated[
+        Path, typer.Option("--out", "-o", help="New or empty folder for what comes back.")
+    ] = Path("rehearsal"),
+    duration: Annotated[
+        float, typer.Option("--duration", "-d", help="Declared duration, seconds.")
+    ] = 900.0,
+    profile: Annotated[
+        str, typer.Option(help="Imperfections: ideal, gritsbot_x, harsh, or a TOML file.")
+    ] = "gritsbot_x",
+    seed: Annotated[int, typer.Option(help="Of everything random that is the testbed's.")] = 0,
+    generation: Annotated[int, typer.Option(help="Generation of the API, 1 or 2.")] = 2,
+    initial: Annotated[
+        str, typer.Option(help="arrive (within 5 cm and 0.2 rad), exact, or drive.")
+    ] = "arrive",
+    timeout: Annotated[float, typer.Option(help="Seconds of real time it may take.")] = 600.0,
+    report: Annotated[
+        bool, typer.Option(help="Open returned pose logs with posflock report.")
+    ] = True,
+    json_only: Annotated[bool, typer.Option("--json", help="Print the outcome as JSON.")] = False,
 ) -> None:
     """Run a bundle with the testbed's Python, libraries and folder, and without a network.
 
     The environment is built once and cached. Exit code 0 when the run ended by itself or by the
     declared duration, without a collision, and its files can be opened; 1 when not.
 
-    Example:
-
-      posflock rehearse upload -o back --duration 320
+        posflock rehearse upload -o back --duration 320
     """
     from posflock_robotarium.rehearse import rehearse as run
 

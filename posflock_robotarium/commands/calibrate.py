@@ -1,35 +1,37 @@
 """``posflock calibrate``: from a returned log to a realism profile."""
 
 from pathlib import Path
+from typing import Annotated
 
 import typer
 
 
 def calibrate(
-    log: Path = typer.Argument(..., help="A pose log with commands, NAME.npy."),
-    out: Path = typer.Option(
-        Path("calibrated.toml"), "--out", "-o", help="The realism profile to write."
+    log: Annotated[
+        Path, typer.Argument(help="A pose log with commands, NAME.npy.", show_default=False)
+    ],
+    out: Annotated[Path, typer.Option("--out", "-o", help="The realism profile to write.")] = Path(
+        "calibrated.toml"
     ),
-    name: str = typer.Option("calibrated", help="What the profile is to be called."),
-    pooled: bool = typer.Option(
-        False, "--pooled", help="Distributions over robots, for any number of them."
-    ),
-    resimulate: Path = typer.Option(
-        None, help="Also write a log here: the same commands, simulated with the profile."
-    ),
-    json_only: bool = typer.Option(False, "--json", help="Print all estimates as JSON."),
+    name: Annotated[str, typer.Option(help="What the profile is to be called.")] = "calibrated",
+    pooled: Annotated[
+        bool, typer.Option("--pooled", help="Distributions over robots, for any number of them.")
+    ] = False,
+    resimulate: Annotated[
+        Path | None,
+        typer.Option(help="Also write a log here: the same commands, simulated with the profile."),
+    ] = None,
+    json_only: Annotated[bool, typer.Option("--json", help="Print all estimates as JSON.")] = False,
 ) -> None:
     """Fit dead time, lag, gains, bias and noise to a log, and write them as a realism profile.
 
-    Examples:
+    posflock calibrate back/nine_robots.npy -o lab.toml
 
-      posflock calibrate back/nine_robots.npy -o lab.toml
+    posflock verify main.py --profile lab.toml
 
-      posflock verify main.py --profile lab.toml
+    posflock calibrate back/nine_robots.npy -o lab.toml --resimulate again.npy
 
-      posflock calibrate back/nine_robots.npy -o lab.toml --resimulate again.npy
-
-      posflock compare back/nine_robots.npy again.npy
+    posflock compare back/nine_robots.npy again.npy
     """
     from posflock_robotarium.calibrate import calibrate as fit
     from posflock_robotarium.calibrate import resimulate as simulate
@@ -50,16 +52,16 @@ def calibrate(
     typer.echo(f"{'dead time':<18} {found.dead_time} s")
     typer.echo(f"{'lag':<18} {found.lag} s")
     for robot, (speed, turn, bias, offset) in enumerate(
-        zip(
-            found.speed_gain, found.turn_gain, found.turn_bias, found.heading_offset, strict=True
-        )
+        zip(found.speed_gain, found.turn_gain, found.turn_bias, found.heading_offset, strict=True)
     ):
         typer.echo(f"robot {robot}: speed gain {speed}, turn gain {turn}")
         typer.echo(f"         turn bias {bias} rad/s, heading offset {offset} rad")
     for what, estimate in found.jitter.items():
         typer.echo(f"{'jitter, ' + what:<18} {estimate} {'rad' if what == 'heading' else 'm'}")
     for what, estimate in found.disturbance.items():
-        typer.echo(f"{'unexplained ' + what:<18} {estimate} {'m/s' if what == 'speed' else 'rad/s'}")
+        typer.echo(
+            f"{'unexplained ' + what:<18} {estimate} {'m/s' if what == 'speed' else 'rad/s'}"
+        )
     typer.echo(f"wrote {out}")
     if resimulate is not None:
         typer.echo(f"wrote {resimulate}; overlay them with posflock compare {log} {resimulate}")

@@ -1,11 +1,14 @@
 """``posflock report``, ``compare``, ``replay`` and ``convert``: what logs can be turned into."""
 
+import contextlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from posflock_robotarium.report import Analysis, ReadOptions
 
 Logs = Annotated[
@@ -92,6 +95,30 @@ def report(
     typer.echo(f"{len(written)} files in {out}; open {written[0]}")
 
 
+@contextlib.contextmanager
+def _resimulated(runs: list[Path], profile: str | None) -> "Iterator[list[Path]]":
+    """Give `runs`, and for each of them a log of its commands simulated under `profile`."""
+    if profile is None:
+        yield runs
+        return
+    import tempfile
+
+    from posflock_robotarium.calibrate import calibrate, resimulate, write_log
+    from posflock_robotarium.poselog import read_log
+    from rps_compat.profiles import load_profile
+
+    with tempfile.TemporaryDirectory(prefix="posflock-compare-") as folder:
+        again = []
+        for number, run in enumerate(runs):
+            log = read_log(run)
+            fitted = profile == "calibrated"
+            chosen = calibrate(log).profile() if fitted else load_profile(profile)
+            place = Path(folder) / str(number)
+            place.mkdir()
+            again.append(write_log(resimulate(log, chosen), place / f"{run.stem}_resimulated"))
+        yield [*runs, *again]
+
+
 def compare(
     runs: Annotated[
         list[Path],
@@ -111,6 +138,14 @@ def compare(
             show_default=False,
         ),
     ] = None,
+    resimulate: Annotated[
+        str | None,
+        typer.Option(
+            help="Add each log's commands, simulated under this realism profile: its name, a TOML "
+            "file, or 'calibrated' to fit one to the log first.",
+            show_default=False,
+        ),
+    ] = None,
     layout: Layout = None,
     columns: Columns = None,
     dt: Step = None,
@@ -127,13 +162,15 @@ def compare(
 
         posflock compare seed-*/nine_robots.npy -o comparison
 
+        posflock compare returned.npy --resimulate calibrated -o comparison
+
     Exit code 0, or 2 when a run cannot be read.
     """
     from posflock_robotarium.report.comparison import compare as compare_runs
 
-    analyses = _analyse(
-        runs, _options(layout, columns, dt, array, False), radius, window, slowest, settle, False
-    )
+    with _resimulated(runs, resimulate) as logs:
+        reading = _options(layout, columns, dt, array, False)
+        analyses = _analyse(logs, reading, radius, window, slowest, settle, False)
     comparison = compare_runs(analyses, labels.split(",") if labels else None)
     if json:
         import json as writer

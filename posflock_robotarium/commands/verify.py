@@ -1,42 +1,55 @@
-"""``posflock verify`` and ``posflock profile``: will it run on the testbed?"""
+"""``posflock verify`` and ``posflock profile``: whether a script will run on the testbed."""
 
 from pathlib import Path
+from typing import Annotated
 
 import typer
 
 
 def verify(
-    script: Path = typer.Argument(..., help="The experiment's main file."),
-    trials: int = typer.Option(20, "--trials", "-n", help="Runs with imperfections."),
-    profile: str = typer.Option(
-        "gritsbot_x", help="Imperfections: ideal, gritsbot_x, harsh, or a TOML file."
-    ),
-    duration: float = typer.Option(
-        0.0, "--duration", "-d", help="Seconds you will declare at submission; 0 is not known yet."
-    ),
-    generation: int = typer.Option(2, help="Generation of the API on the testbed, 1 or 2."),
-    seed: int = typer.Option(0, help="First seed of the trials."),
-    out: Path = typer.Option(None, "--out", "-o", help="Folder for verify.html and verify.json."),
-    json_only: bool = typer.Option(False, "--json", help="Print verify.json, and nothing else."),
-    effect: list[str] = typer.Option(
-        [], "--effect", help="Instead: run under this imperfection alone; 'each' for each in turn."
-    ),
-    jobs: int = typer.Option(0, help="Trials at a time; 0 is one a processor."),
-    stall: float = typer.Option(20.0, help="Seconds without a step after which a trial hangs."),
-    timeout: float = typer.Option(300.0, help="Seconds that a trial may take."),
-    memory: float = typer.Option(2.0, help="GiB that a trial may allocate."),
+    script: Annotated[Path, typer.Argument(help="The experiment's main file.", show_default=False)],
+    trials: Annotated[int, typer.Option("--trials", "-n", help="Runs with imperfections.")] = 20,
+    profile: Annotated[
+        str, typer.Option(help="Imperfections: ideal, gritsbot_x, harsh, or a TOML file.")
+    ] = "gritsbot_x",
+    duration: Annotated[
+        float,
+        typer.Option(
+            "--duration", "-d", help="Seconds you will declare at submission; 0 is not known yet."
+        ),
+    ] = 0.0,
+    generation: Annotated[
+        int, typer.Option(help="Generation of the API on the testbed, 1 or 2.")
+    ] = 2,
+    seed: Annotated[int, typer.Option(help="First seed of the trials.")] = 0,
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", help="Folder for verify.html and verify.json.")
+    ] = None,
+    json_only: Annotated[
+        bool, typer.Option("--json", help="Print verify.json, and nothing else.")
+    ] = False,
+    effect: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--effect", help="Instead: run under this imperfection alone; 'each' for each in turn."
+        ),
+    ] = None,
+    jobs: Annotated[int, typer.Option(help="Trials at a time; 0 is one a processor.")] = 0,
+    stall: Annotated[
+        float, typer.Option(help="Seconds without a step after which a trial hangs.")
+    ] = 20.0,
+    timeout: Annotated[float, typer.Option(help="Seconds that a trial may take.")] = 300.0,
+    memory: Annotated[float, typer.Option(help="GiB that a trial may allocate.")] = 2.0,
 ) -> None:
     """Predict whether the testbed takes a script, runs it to its end, and returns its data.
 
     Exit code 0 is PASS, 1 is RISK, 2 is FAIL (or an error before there was a verdict).
 
-    Examples:
+        posflock verify experiments/robotarium_9bot.py
 
-      posflock verify experiments/robotarium_9bot.py
+        posflock verify main.py --duration 300 -o results/verify
 
-      posflock verify main.py --duration 300 -o results/verify
-
-      posflock verify main.py --effect each
+        posflock verify main.py --effect each
     """
     from rich.console import Console
     from rich.progress import Progress
@@ -111,13 +124,11 @@ def verify(
 
 
 def profile(
-    name: str = typer.Argument("gritsbot_x", help="ideal, gritsbot_x or harsh."),
+    name: Annotated[str, typer.Argument(help="ideal, gritsbot_x or harsh.")] = "gritsbot_x",
 ) -> None:
     """Print a realism profile as TOML, to copy and edit.
 
-    Example:
-
-      posflock profile gritsbot_x > lab.toml
+    posflock profile gritsbot_x > lab.toml
     """
     from rps_compat.profiles import load_profile, profile_text
 

@@ -23,7 +23,7 @@ from posflock_robotarium.verify.findings import (
 )
 
 if TYPE_CHECKING:
-    from posflock_robotarium.verify.trials import Limits, Ran
+    from posflock_robotarium.verify.trials import Limits, Nursery, Ran
     from rps_compat.realism import Profile
 
 #: Version of the format of ``verify.json``; see docs/verify.md.
@@ -141,6 +141,7 @@ def verify(
     limits: Limits | None = None,
     search: Sequence[Path] = (),
     tell: Callable[[str, int, int], None] | None = None,
+    nursery: Nursery | None = None,
 ) -> Report:
     """Predict whether the testbed takes `script`, runs it, and gives its data back.
 
@@ -164,6 +165,8 @@ def verify(
         Further folders with local modules.
     tell : callable, optional
         Is told of progress: what, done, of how many.
+    nursery : Nursery, optional
+        The process that runs the trials, to share it between calls.
 
     Raises
     ------
@@ -195,7 +198,7 @@ def verify(
     if any(finding.code == "generation" for finding in known):
         # Run it under the generation it was written for: there may be more to tell.
         generation = generations.generation_of(source.tree) or generation
-    with running.TrialRoom(source, generation, limits or running.Limits()) as room:
+    with running.TrialRoom(source, generation, limits or running.Limits(), nursery) as room:
         found, ideal, ran = _run(room, chosen, trials, declared, seed, known, tell)
     return _report(script, [*known, *found], generation, chosen.name, ideal, ran, declared)
 

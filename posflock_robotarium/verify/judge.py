@@ -87,7 +87,7 @@ def is_explained(error: dict[str, Any], known: Sequence[Finding]) -> bool:
 def _endings(
     ideal: Outcome, trials: Sequence[Outcome], known: Sequence[Finding]
 ) -> Iterator[Finding]:
-    """Crashes, hangs, endless loops."""
+    """Tell of crashes, hangs, endless loops."""
     if ideal.ended in _FATAL:
         finding = _ending(ideal, Verdict.FAIL)
         if finding and not is_explained(ideal.error, known):
@@ -113,7 +113,7 @@ def _ending(
 ) -> Finding | None:
     error = outcome.error
     kinds = error.get("kinds", [])
-    if "Forbidden" in kinds:
+    if "ForbiddenError" in kinds:
         return None  # the deed is told of
     place: dict[str, Any] = {"line": error.get("line"), "file": ""}
     what = f"{error.get('type')}: {error.get('message')}".strip(": ")
@@ -142,7 +142,7 @@ def _ending(
 
 
 def _deeds(runs: Sequence[Ran]) -> Iterator[Finding]:
-    """Writing elsewhere, other processes, the network."""
+    """Tell of writing elsewhere, of other processes, of the network."""
     advice = {
         "outside-write": "write into the working folder: only those files come back",
         "fork": "do the work in one process",
@@ -213,7 +213,7 @@ def _boundary(ideal: Outcome, trials: Sequence[Outcome]) -> Iterator[Finding]:
 def _proportion(
     code: str, trials: Sequence[Outcome], advice: str, words: str, kind: str
 ) -> Iterator[Finding]:
-    """A fault that imperfections bring out."""
+    """Tell of a fault that imperfections bring out."""
     ran = [outcome for outcome in trials if outcome.steps]
     hit = [(outcome, first) for outcome in ran if (first := _first(outcome, kind))]
     if not hit:
@@ -347,7 +347,7 @@ def recommended_duration(run: float) -> float:
 def _data(
     ideal: Ran, interrupted: Ran | None, killed: Ran | None, known: Sequence[Finding]
 ) -> Iterator[Finding]:
-    """What is left of the data when a run is ended from outside."""
+    """Tell what is left of the data when a run is ended from outside."""
     written = [name for name, content in ideal.data.items() if content.readable]
     if not written or interrupted is None or not interrupted.outcome.steps:
         return

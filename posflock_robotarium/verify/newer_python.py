@@ -159,9 +159,10 @@ def _starred_subscripts(tree: ast.Module) -> Iterator[tuple[int, str]]:
 
 
 def _newer_fstrings(source: str) -> Iterator[tuple[int, str]]:
-    """Before 3.12 an f-string's fields could hold neither its own quote, nor \\, nor #."""
-    if sys.version_info < (3, 12):
-        return  # this Python would not have parsed them
+    """Before 3.12 a field of an f-string could hold neither its quote, nor a backslash, nor #.
+
+    An older Python than that has no tokens for the inside of f-strings, and refuses these itself.
+    """
     open_quotes: list[str] = []
     reason = "in an f-string field is Python 3.12"
     try:

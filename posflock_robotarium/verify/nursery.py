@@ -1,10 +1,10 @@
 """Where trials are born and watched: a process that forks one child a trial.
 
 ``python -m posflock_robotarium.verify.nursery`` reads JSON requests on its standard input, one a
-line, imports what every trial needs, forks the trials, so many at a time, and writes one JSON line
-a finished trial, and an empty one when a request is done.  Being a process of its own, whatever a script does to it does not reach the
-verifier.  A trial is killed, with everything it started in its process group, when it has not
-stepped for too long, or has used up its time.
+line. For each it imports what the trials need, forks them, so many at a time, and writes one JSON
+line a finished trial, and an empty line at the end.  Being a process of its own, whatever a
+script does to it does not reach the verifier.  A trial is killed, with everything it started in
+its process group, when it has not stepped for too long, or has used up its time.
 """
 
 from __future__ import annotations

@@ -51,7 +51,7 @@ def html(report: Report) -> str:
     return environment.get_template("verify.html.j2").render(
         report=report,
         findings=[(finding, CODES[finding.code]) for finding in report.findings],
-        figures=[line.split(None, 1) for line in figure_lines(report)],
+        figures=figure_lines(report),
         strip=_strip(report),
     )
 
@@ -68,11 +68,11 @@ def _strip(report: Report) -> dict[str, Any] | None:
     right = max(0.40, max(gap for gap, _, _ in gaps) * 1.1)
 
     def across(metres: float) -> float:
-        return round(20 + 600 * metres / right, 1)
+        return round(float(20 + 600 * metres / right), 1)
 
     return {
         "dots": [
-            {"x": across(gap), "y": 52 - 9 * (k % 4), "name": name, "gap": gap, "hit": hit}
+            {"x": across(gap), "y": 66 - 9 * (k % 4), "name": name, "gap": gap, "hit": hit}
             for k, (gap, name, hit) in enumerate(gaps)
         ],
         "limit": across(_COLLISION),

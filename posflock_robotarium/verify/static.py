@@ -23,15 +23,38 @@ from posflock_robotarium.verify.findings import Finding, Verdict
 _FINISHING = ("debug", "call_at_scripts_end")
 #: Functions that read a file whose path is their first argument.
 _READERS = frozenset(
-    "numpy.load numpy.loadtxt numpy.genfromtxt numpy.fromfile numpy.memmap scipy.io.loadmat"
-    " matplotlib.pyplot.imread matplotlib.image.imread PIL.Image.open cv2.imread torch.load".split()
+    [
+        "numpy.load",
+        "numpy.loadtxt",
+        "numpy.genfromtxt",
+        "numpy.fromfile",
+        "numpy.memmap",
+        "scipy.io.loadmat",
+        "matplotlib.pyplot.imread",
+        "matplotlib.image.imread",
+        "PIL.Image.open",
+        "cv2.imread",
+        "torch.load",
+    ]
 )
 #: Functions that write a file.
 _WRITERS = frozenset(
-    "numpy.save numpy.savez numpy.savez_compressed numpy.savetxt scipy.io.savemat pickle.dump"
-    " json.dump torch.save cv2.imwrite yaml.dump joblib.dump matplotlib.pyplot.savefig".split()
+    [
+        "numpy.save",
+        "numpy.savez",
+        "numpy.savez_compressed",
+        "numpy.savetxt",
+        "scipy.io.savemat",
+        "pickle.dump",
+        "json.dump",
+        "torch.save",
+        "cv2.imwrite",
+        "yaml.dump",
+        "joblib.dump",
+        "matplotlib.pyplot.savefig",
+    ]
 )
-_WRITING_METHODS = frozenset("tofile savefig write_text write_bytes to_csv".split())
+_WRITING_METHODS = frozenset(["tofile", "savefig", "write_text", "write_bytes", "to_csv"])
 _BLOCKING = {
     "input": "waits for a key",
     "breakpoint": "waits for a debugger",
@@ -118,8 +141,7 @@ class Source:
 
     @cached_property
     def stepping_loops(self) -> list[ast.For | ast.While]:
-        """Outermost loops that drive the robots: those that call ``….step()``, or a function
-        of the script that does."""
+        """Outermost loops that drive the robots: that step, or call a function that does."""
         stepping = _stepping_functions(self.tree)
         found: list[ast.For | ast.While] = []
 
@@ -287,7 +309,7 @@ def check_generation(source: Source) -> Iterator[Finding]:
 
 
 def check_robots(source: Source) -> Iterator[Finding]:
-    """Number of robots."""
+    """Count the robots asked for."""
     for call in source.calls:
         if source.called(call).rpartition(".")[2] != "Robotarium":
             continue
@@ -307,12 +329,16 @@ def check_robots(source: Source) -> Iterator[Finding]:
 
 
 def check_finishing(source: Source) -> Iterator[Finding]:
-    """The call that ends an experiment."""
+    """Look for the call that ends an experiment."""
     made = [c for c in source.calls if source.called(c).rpartition(".")[2] == "Robotarium"]
     if not made:
         return
     named = {n.attr for n in ast.walk(source.tree) if isinstance(n, ast.Attribute)}
-    named |= {n.value for n in ast.walk(source.tree) if isinstance(n, ast.Constant)}
+    named |= {
+        n.value
+        for n in ast.walk(source.tree)
+        if isinstance(n, ast.Constant) and isinstance(n.value, str)
+    }
     if not named & set(_FINISHING):
         right = _FINISHING[0] if source.generation == 2 else _FINISHING[1]
         yield Finding(
@@ -326,7 +352,7 @@ def check_finishing(source: Source) -> Iterator[Finding]:
 
 
 def check_blocking(source: Source) -> Iterator[Finding]:
-    """Calls that wait for somebody who is not there, and sleeps."""
+    """Look for calls that wait for somebody who is not there, and for sleeps."""
     in_loops = {call for loop in source.stepping_loops for call in ast.walk(loop)}
     for call in source.calls:
         name = source.called(call)
@@ -362,7 +388,7 @@ def check_blocking(source: Source) -> Iterator[Finding]:
 
 
 def check_saving(source: Source) -> Iterator[Finding]:
-    """Data that would be lost if the run were ended from outside."""
+    """Look for data that would be lost if the run were ended from outside."""
     if not source.stepping_loops:
         return
     last = max(loop.end_lineno or loop.lineno for loop in source.stepping_loops)
@@ -393,7 +419,7 @@ def check_files(source: Source) -> Iterator[Finding]:
     """Files it reads: there, flat, with an ending that may be uploaded."""
     written = {path for call in source.calls if (path := _path_written(source, call)) is not None}
     for call, path in files_read(source):
-        place = {"line": call.lineno}
+        line = call.lineno
         if path in written or (call.args and not path):
             continue
         pure = PurePath(path)
@@ -403,7 +429,7 @@ def check_files(source: Source) -> Iterator[Finding]:
                 Verdict.FAIL,
                 f"reads {path}, but uploads are flat: there are no folders beside the script",
                 f"put {pure.name} beside the script and read {pure.name!r}",
-                **place,
+                line=line,
             )
         elif pure.suffix.lower() not in testbed.ENDINGS:
             yield Finding(
@@ -412,7 +438,7 @@ def check_files(source: Source) -> Iterator[Finding]:
                 f"reads {path}, but files that end in {pure.suffix or 'nothing'} cannot be"
                 " uploaded",
                 f"use one of {' '.join(testbed.ENDINGS)}; .npy holds any array",
-                **place,
+                line=line,
             )
         elif not (source.path.parent / path).is_file():
             yield Finding(
@@ -420,7 +446,7 @@ def check_files(source: Source) -> Iterator[Finding]:
                 Verdict.FAIL,
                 f"reads {path}, which is not beside the script",
                 f"put {path} into {source.path.resolve().parent}",
-                **place,
+                line=line,
             )
 
 

@@ -26,8 +26,8 @@ def print_report(report: Report, console: Console) -> None:
         f"  [dim]generation {report.generation}, {len(report.trials)} trials under"
         f" {escape(report.profile)}[/]"
     )
-    for line in figure_lines(report):
-        console.print(f"  {escape(line)}", highlight=False)
+    for name, words in figure_lines(report):
+        console.print(f"  {name:<10} {escape(words)}", highlight=False)
     if not report.findings:
         console.print("  Nothing to mend.")
         return
@@ -46,39 +46,49 @@ def print_report(report: Report, console: Console) -> None:
     console.print(table)
 
 
-def figure_lines(report: Report) -> list[str]:
-    """Return the figures of a report in words, one line each."""
+def figure_lines(report: Report) -> list[tuple[str, str]]:
+    """Return the figures of a report in words, each with its name."""
     found = report.figures()
     if not found:
         return []
     drive, loop = found["initial_drive_seconds"], found["loop_milliseconds"]
     lines = [
-        f"duration   {found['run_seconds']:.0f} s after a drive to the initial conditions of"
-        f" {drive['least']:.0f} to {drive['most']:.0f} s (median {drive['median']:.0f}):"
-        f" declare {found['recommended_duration']:.0f} s"
-        + (f"; {report.declared:.0f} s will be" if report.declared else ""),
+        (
+            "duration",
+            f"{found['run_seconds']:.0f} s, after a drive to the initial conditions of"
+            f" {drive['least']:.0f} to {drive['most']:.0f} s (median {drive['median']:.0f}):"
+            f" declare {found['recommended_duration']:.0f} s"
+            + (f"; {report.declared:.0f} s will be" if report.declared else ""),
+        )
     ]
     if loop:
         lines.append(
-            f"loop       p50 {loop['p50']:.1f} ms, p99 {loop['p99']:.1f} ms, longest"
-            f" {loop['max']:.1f} ms of the 33 ms a step has (this machine's CPU time)"
+            (
+                "loop",
+                f"p50 {loop['p50']:.1f} ms, p99 {loop['p99']:.1f} ms, longest"
+                f" {loop['max']:.1f} ms of the 33 ms a step has (this machine's CPU time)",
+            )
         )
-    for name, label in (("smallest_gap", "gap"), ("smallest_wall_gap", "wall gap")):
+    for name, label, between in (
+        ("smallest_gap", "gap", "centres"),
+        ("smallest_wall_gap", "wall gap", "a centre and a wall"),
+    ):
         ideal, trials = found[name].get("ideal"), found[name].get("trials")
         if ideal is not None:
+            text = f"at least {ideal:.3f} m between {between} in the ideal run"
             lines.append(
-                f"{label:<10} at least {ideal:.3f} m between "
-                + ("centres" if name == "smallest_gap" else "centre and wall")
-                + " in the ideal run"
-                + (f", {trials:.3f} m in the trials" if trials is not None else "")
+                (label, text + (f", {trials:.3f} m in the trials" if trials is not None else ""))
             )
     for name in ("collision", "boundary"):
         runs = found.get(f"{name}_runs")
         if runs:
             low, high = runs["interval"]
             lines.append(
-                f"{name:<10} {runs['hits']} of {runs['trials']} trials"
-                f" (95 % interval {100 * low:.0f} to {100 * high:.0f} % of runs)"
+                (
+                    name,
+                    f"in {runs['hits']} of {runs['trials']} trials"
+                    f" (95 % interval {100 * low:.0f} to {100 * high:.0f} % of runs)",
+                )
             )
     return lines
 

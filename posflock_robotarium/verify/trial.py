@@ -42,13 +42,34 @@ _cpu, _wall = time.process_time, time.time
 _PULSE = struct.Struct("qddd")
 _WRITE_FLAGS = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_TRUNC
 _PATH_EVENTS = frozenset(
-    "os.remove os.rename os.mkdir os.rmdir os.link os.symlink os.chmod os.truncate os.chown"
-    " shutil.rmtree".split()
+    [
+        "os.remove",
+        "os.rename",
+        "os.mkdir",
+        "os.rmdir",
+        "os.link",
+        "os.symlink",
+        "os.chmod",
+        "os.truncate",
+        "os.chown",
+        "shutil.rmtree",
+    ]
 )
 _PROCESS_EVENTS = frozenset(
-    "subprocess.Popen os.system os.fork os.forkpty os.posix_spawn os.exec os.spawn pty.spawn".split()
+    [
+        "subprocess.Popen",
+        "os.system",
+        "os.fork",
+        "os.forkpty",
+        "os.posix_spawn",
+        "os.exec",
+        "os.spawn",
+        "pty.spawn",
+    ]
 )
-_NETWORK_EVENTS = frozenset("socket.connect socket.getaddrinfo socket.sendto socket.bind".split())
+_NETWORK_EVENTS = frozenset(
+    ["socket.connect", "socket.getaddrinfo", "socket.sendto", "socket.bind"]
+)
 
 
 @dataclass(frozen=True)
@@ -148,7 +169,7 @@ class Outcome:
     profile: str = ""
 
 
-class Forbidden(PermissionError):
+class ForbiddenError(PermissionError):
     """The script tried what it must not do; the deed is on record."""
 
 
@@ -198,7 +219,7 @@ class Clock:
         sleep = time.sleep
         time.time = lambda: self.start + self.read()
         time.monotonic = time.perf_counter = self.read
-        time.sleep = self.sleep
+        time.sleep = self.sleep  # type: ignore[assignment]
         try:
             yield
         finally:
@@ -347,8 +368,9 @@ def _run(plan: TrialPlan, outcome: Outcome, pulse: mmap.mmap, deeds: int) -> Non
 
     def imperfections() -> Imperfections:
         assert profile is not None
-        watch.imperfections.append(Imperfections(profile))
-        return watch.imperfections[-1]
+        made = Imperfections(profile)
+        watch.imperfections.append(made)
+        return made
 
     session = Session(
         initial=plan.initial,  # type: ignore[arg-type]
@@ -479,11 +501,8 @@ class _Guard:
         if isinstance(path, int) or path is None:
             return True
         where = os.path.realpath(os.fsdecode(path))
-        return (
-            where == self.scratch
-            or where.startswith(self.scratch + os.sep)
-            or where.startswith(("/dev/", "/proc/self/"))
-            or where.startswith(os.environ.get("MPLCONFIGDIR", "\0"))
+        return where == self.scratch or where.startswith(
+            (self.scratch + os.sep, "/dev/", "/proc/self/")
         )
 
     def record(self, kind: str, what: str) -> None:
@@ -521,8 +540,10 @@ def _audit(event: str, arguments: tuple[Any, ...]) -> None:
         return
     if event == "open":
         path, mode, flags = arguments[0], arguments[1], arguments[2]
-        writes = any(c in mode for c in "wax+") if isinstance(mode, str) else False
-        writes = writes or (mode is None and isinstance(flags, int) and flags & _WRITE_FLAGS)
+        if isinstance(mode, str):
+            writes = any(letter in mode for letter in "wax+")
+        else:
+            writes = isinstance(flags, int) and bool(flags & _WRITE_FLAGS)
         if writes and not guard.allows(path):
             _refuse(guard, "outside-write", os.fsdecode(path))
     elif event in _PATH_EVENTS:
@@ -543,7 +564,7 @@ def _refuse(guard: _Guard, kind: str, what: str) -> None:
         guard.record(kind, what)
     finally:
         _Guard.active = guard
-    raise Forbidden(f"{kind}: {what}")
+    raise ForbiddenError(f"{kind}: {what}")
 
 
 def _error(error: BaseException, scratch: str) -> dict[str, Any]:

@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -83,6 +83,62 @@ class Readable:
     values: int
 
 
+class Nursery:
+    """The process that forks trials; use it in a ``with`` block to have several rooms share it.
+
+    It starts with the first request, and again should it have died.
+    """
+
+    def __init__(self) -> None:
+        self._process: subprocess.Popen[str] | None = None
+
+    def __enter__(self) -> Nursery:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End the process."""
+        if self._process is not None:
+            self._process.terminate()
+            self._process.communicate()
+            self._process = None
+
+    def ask(self, request: dict[str, Any]) -> Iterator[Outcome]:
+        """Yield the outcome of each trial of `request` when it is done."""
+        if self._process is None or self._process.poll() is not None:
+            self._process = self._start()
+        process = self._process
+        assert process.stdin is not None
+        assert process.stdout is not None
+        with contextlib.suppress(BrokenPipeError):
+            process.stdin.write(json.dumps(request) + "\n")
+            process.stdin.flush()
+        for line in iter(process.stdout.readline, ""):
+            if not line.strip():
+                return
+            yield Outcome(**json.loads(line))
+
+    @staticmethod
+    def _start() -> subprocess.Popen[str]:
+        environment = os.environ | {
+            "MPLBACKEND": "module://rps_compat.headless_backend",
+            "OPENBLAS_NUM_THREADS": "1",
+            "OMP_NUM_THREADS": "1",
+            "PYTHONBREAKPOINT": "0",
+            "PYTHONDONTWRITEBYTECODE": "1",
+        }
+        return subprocess.Popen(
+            [sys.executable, "-m", "posflock_robotarium.verify.nursery"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            env=environment,
+            text=True,
+        )
+
+
 class TrialRoom:
     """A temporary folder in which trials of one script run; use it in a ``with`` block.
 
@@ -94,22 +150,26 @@ class TrialRoom:
         Of the API to run it under.
     limits : Limits
         What each trial may use.
+    nursery : Nursery, optional
+        Where trials are born; one of its own by default.
     """
 
-    def __init__(self, source: Source, generation: int, limits: Limits) -> None:
+    def __init__(
+        self, source: Source, generation: int, limits: Limits, nursery: Nursery | None = None
+    ) -> None:
         self.source = source
         self.generation = generation
         self.limits = limits
         self._folder = Path(tempfile.mkdtemp(prefix="posflock-verify-"))
-        self._nursery: subprocess.Popen[str] | None = None
+        self._shared = nursery is not None
+        self._nursery = nursery or Nursery()
 
     def __enter__(self) -> TrialRoom:
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._nursery is not None:
-            self._nursery.terminate()
-            self._nursery.communicate()
+        if not self._shared:
+            self._nursery.close()
         shutil.rmtree(self._folder, ignore_errors=True)
 
     def plan(self, name: str, profile: Profile | None = None, **settings: Any) -> TrialPlan:
@@ -149,42 +209,12 @@ class TrialRoom:
             "seconds": self.limits.seconds,
         }
         found: dict[str, Outcome] = {}
-        nursery = self._open()
-        assert nursery.stdin is not None
-        assert nursery.stdout is not None
-        with contextlib.suppress(BrokenPipeError):
-            nursery.stdin.write(json.dumps(request) + "\n")
-            nursery.stdin.flush()
-        for line in iter(nursery.stdout.readline, ""):
-            if not line.strip():
-                break
-            outcome = Outcome(**json.loads(line))
+        for outcome in self._nursery.ask(request):
             found[outcome.name] = outcome
             if tell is not None:
                 tell(outcome)
         lost = Outcome("", ended="died", error={"type": "nursery", "message": "no answer"})
         return [self._ran(plan, found.get(plan.name, lost)) for plan in plans]
-
-    def _open(self) -> subprocess.Popen[str]:
-        """Return the nursery, started where there is none that lives."""
-        if self._nursery is None or self._nursery.poll() is not None:
-            environment = os.environ | {
-                "MPLBACKEND": "module://rps_compat.headless_backend",
-                "OPENBLAS_NUM_THREADS": "1",
-                "OMP_NUM_THREADS": "1",
-                "PYTHONBREAKPOINT": "0",
-                "PYTHONDONTWRITEBYTECODE": "1",
-            }
-            self._nursery = subprocess.Popen(
-                [sys.executable, "-m", "posflock_robotarium.verify.nursery"],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.DEVNULL,
-                env=environment,
-                cwd=self._folder,
-                text=True,
-            )
-        return self._nursery
 
     def _ran(self, plan: TrialPlan, outcome: Outcome) -> Ran:
         scratch = Path(plan.scratch)

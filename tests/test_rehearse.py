@@ -1,0 +1,140 @@
+"""A rehearsal isolates the bundle, ends it in time, and brings back what it wrote."""
+
+import os
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from posflock_robotarium import testbed
+from posflock_robotarium.bundle import BundleError, bundle
+from posflock_robotarium.errors import OutputError, ParameterError
+from posflock_robotarium.poselog import read_log
+from posflock_robotarium.rehearse import Environment, rehearse, report_on
+from posflock_robotarium.verify.static import check_source
+from posflock_robotarium.verify.trials import Limits, TrialRoom
+
+EXPERIMENT = Path(__file__).parents[1] / "experiments" / "robotarium_9bot.py"
+HERE = Environment(Path(sys.executable), "this one", {})
+SCRIPT = """\
+import sys
+import numpy as np
+from rps.robotarium import Robotarium
+
+r = Robotarium(number_of_robots=2, show_figure=False, initial_conditions=np.array(
+    [[-0.5, 0.5], [0.0, 0.0], [0.0, 0.0]]))
+seen = []
+try:
+    for k in range(90):
+        seen.append(r.get_poses())
+        r.set_velocities(np.arange(2), np.array([[0.05, 0.05], [0.0, 0.0]]))
+        r.step()
+finally:
+    np.save("poses.npy", np.array(seen))
+print("main is", sys.argv, __name__)
+r.debug()
+"""
+
+
+def laid(tmp_path, text=SCRIPT):
+    script = tmp_path / "two_robots.py"
+    script.write_text(text)
+    bundle(script, tmp_path / "up")
+    return tmp_path / "up"
+
+
+def test_a_bundle_runs_as_main_and_its_files_come_back(tmp_path):
+    done = rehearse(laid(tmp_path), tmp_path / "back", environment=HERE)
+    assert (done.ended, done.steps, done.robots) == ("finished", 90, 2)
+    assert done.passed
+    assert np.load(tmp_path / "back" / "poses.npy").shape == (90, 3, 2)
+    assert "main is ['main.py'] __main__" in (tmp_path / "back" / "log.txt").read_text()
+    assert {path.name for path in (tmp_path / "back").iterdir()} == {"poses.npy", "log.txt"}
+
+
+def test_the_declared_duration_interrupts_the_run(tmp_path):
+    done = rehearse(laid(tmp_path), tmp_path / "back", duration=1.0, environment=HERE)
+    assert done.ended == "interrupted"
+    assert done.seconds == pytest.approx(1.0, abs=0.05)
+    assert len(np.load(tmp_path / "back" / "poses.npy")) == 32
+
+
+def test_the_same_seed_gives_the_same_files(tmp_path):
+    up = laid(tmp_path)
+    for name in ("one", "two"):
+        rehearse(up, tmp_path / name, seed=4, environment=HERE)
+    one, two = ((tmp_path / name / "poses.npy").read_bytes() for name in ("one", "two"))
+    assert one == two
+
+
+def test_a_crash_comes_back_with_its_traceback(tmp_path):
+    up = laid(tmp_path, SCRIPT.replace("r.debug()", "1 / 0"))
+    done = rehearse(up, tmp_path / "back", environment=HERE)
+    assert done.ended == "crashed"
+    assert not done.passed
+    assert "ZeroDivisionError" in (tmp_path / "back" / "log.txt").read_text()
+
+
+def test_there_is_no_network(tmp_path):
+    text = SCRIPT + "import socket\nsocket.create_connection(('127.0.0.1', 9), timeout=1)\n"
+    done = rehearse(laid(tmp_path, text), tmp_path / "back", environment=HERE)
+    assert done.ended == "crashed"
+    assert "there is no network" in (tmp_path / "back" / "log.txt").read_text()
+
+
+def test_a_script_that_hangs_is_ended(tmp_path):
+    text = SCRIPT.replace("finally:", "except KeyboardInterrupt:\n    pass\nfinally:").replace(
+        "print(", "while True:\n    pass\nprint("
+    )
+    done = rehearse(laid(tmp_path, text), tmp_path / "back", timeout=6.0, environment=HERE)
+    assert done.ended in ("hung", "interrupted")
+    assert (tmp_path / "back" / "poses.npy").exists()
+
+
+def test_bad_requests_are_refused(tmp_path):
+    up = laid(tmp_path)
+    with pytest.raises(ParameterError, match="duration"):
+        rehearse(up, tmp_path / "back", duration=1000.0, environment=HERE)
+    with pytest.raises(BundleError, match="holds no MANIFEST"):
+        rehearse(tmp_path, tmp_path / "back", environment=HERE)
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "x").write_text("mine")
+    with pytest.raises(OutputError, match="not empty"):
+        rehearse(up, tmp_path / "full", environment=HERE)
+
+
+def unbundled(generation=2):
+    """Return the log of the experiment as it lies in the repository."""
+    _, source = check_source(EXPERIMENT)
+    with TrialRoom(source, generation, Limits()) as room:
+        (ran,) = room.run([room.plan("here")])
+        return read_log(ran.scratch / "nine_robots.npy")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("generation", [2, 1])
+def test_the_experiments_bundle_repeats_the_unbundled_run(tmp_path, generation):
+    bundle(EXPERIMENT, tmp_path / "up")
+    done = rehearse(
+        tmp_path / "up",
+        tmp_path / "back",
+        profile="ideal",
+        initial="exact",
+        generation=generation,
+    )
+    assert done.passed
+    versions = done.environment.libraries
+    if not done.environment.note:
+        assert done.environment.version.startswith("3.10.")
+    assert {n: versions[n] for n in ("numpy", "scipy", "matplotlib", "cvxopt")} == {
+        n: testbed.LIBRARIES[n] for n in ("numpy", "scipy", "matplotlib", "cvxopt")
+    }
+    site = next(done.environment.python.parents[1].glob("lib/python*/site-packages"))
+    there = {name.lower() for name in os.listdir(site)}
+    assert not there & {"osqp", "cvxpy", "clarabel", "typer", "rich", "posflock_robotarium"}
+    back = read_log(tmp_path / "back" / "nine_robots.npy")
+    here = unbundled(generation)
+    assert np.abs(back.poses - here.poses).max() <= 1e-9
+    assert np.abs(back.commands - here.commands).max() <= 1e-9
+    assert report_on(done).exists()

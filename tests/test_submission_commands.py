@@ -1,0 +1,96 @@
+"""The commands around a submission: exit codes, files, JSON, and errors in one line."""
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from benchmarks.calibration import simulated_testbed
+from posflock_robotarium.calibrate import write_log
+from posflock_robotarium.cli import app
+from posflock_robotarium.errors import PosflockError
+from rps_compat.errors import RobotariumError
+from rps_compat.profiles import load_profile
+
+ZOO = Path(__file__).parent / "zoo"
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+@pytest.mark.parametrize(
+    ("script", "code", "verdict"),
+    [
+        ("sound/two_robots_forward.py", 0, "PASS"),
+        ("faulty/saves_at_end.py", 1, "RISK"),
+        ("faulty/missing_module.py", 2, "FAIL"),
+    ],
+)
+def test_exit_codes_say_the_verdict(script, code, verdict, tmp_path):
+    done = run("verify", ZOO / script, "-n", 0, "-o", tmp_path / "out")
+    assert done.exit_code == code
+    assert done.output.startswith(verdict)
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"verify.json", "verify.html"}
+
+
+def test_json_is_all_that_is_printed():
+    done = run("verify", ZOO / "faulty/missing_module.py", "--json")
+    assert json.loads(done.stdout)["verdict"] == "FAIL"
+
+
+def test_one_imperfection_at_a_time():
+    done = run("verify", ZOO / "sound/two_robots_forward.py", "--effect", "lag", "-n", 1, "--json")
+    assert [row["effect"] for row in json.loads(done.stdout)] == ["lag", "all"]
+    assert done.exit_code == 0
+
+
+def test_a_profile_is_printed_as_a_file_to_edit(tmp_path):
+    done = run("profile", "harsh")
+    (tmp_path / "lab.toml").write_text(done.stdout)
+    assert load_profile(tmp_path / "lab.toml") == load_profile("harsh")
+
+
+def test_a_bundle_says_what_to_enter(tmp_path):
+    script = ZOO / "sound/local_helper.py"
+    done = run("bundle", script, "-o", tmp_path / "up", "--json")
+    said = json.loads(done.stdout)
+    assert set(said["files"]) == {"local_helper.py", "zoo_helper.py"}
+    assert (said["robots"], said["duration"]) == (2, 200.0)
+
+
+def test_a_log_becomes_a_profile_and_is_overlaid_with_it(tmp_path):
+    log, truth = simulated_testbed(1, robots=3, rows=900)
+    log.metadata["neighbour_radius"] = 0.75
+    path = write_log(log, tmp_path / "returned")
+    done = run("calibrate", path, "-o", tmp_path / "lab.toml", "--json")
+    assert done.exit_code == 0
+    found = json.loads(done.stdout)["dead_time"]["value"]
+    assert found == pytest.approx(truth["dead time"][0], abs=0.033)
+    assert load_profile(tmp_path / "lab.toml").dead_time.seconds.values == (found,)
+    compared = run("compare", path, "--resimulate", tmp_path / "lab.toml", "--json")
+    assert compared.exit_code == 0
+    assert "returned_resimulated" in compared.stdout
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("verify", "none.py"),
+        ("verify", ZOO / "sound/own_clock.py", "--profile", "mild"),
+        ("verify", ZOO / "sound/own_clock.py", "--duration", 1000),
+        ("verify", ZOO / "sound/own_clock.py", "--stall", 0),
+        ("verify", ZOO / "sound/own_clock.py", "--effect", "dead_tim"),
+        ("profile", "mild"),
+        ("bundle", ZOO / "faulty/pandas_import.py", "-o", "up", "--no-run"),
+        ("rehearse", "none"),
+        ("calibrate", "none.npy"),
+    ],
+    ids=lambda arguments: " ".join(str(a).rpartition("/")[2] for a in arguments),
+)
+def test_errors_have_a_name_and_leave_nothing(arguments, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = run(*arguments)
+    assert isinstance(done.exception, (PosflockError, RobotariumError)), done.output
+    assert list(tmp_path.iterdir()) == []
