@@ -24,7 +24,7 @@ def nine_robots(tmp_path_factory):
     folder = tmp_path_factory.mktemp("nine")
     command = [sys.executable, ROOT / "experiments/robotarium_9bot.py", "--seed", "3"]
     subprocess.run(
-        [*command, "--duration", "26", "--out", folder], check=True, capture_output=True, cwd=ROOT
+        [*command, "--duration", "22", "--out", folder], check=True, capture_output=True, cwd=ROOT
     )
     return analyse(folder / "nine_robots.npy")
 
