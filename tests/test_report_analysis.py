@@ -128,6 +128,14 @@ def test_a_flock_that_parks_on_the_way_came_to_a_stop():
     assert verdict(analysis, "align").mark == "bad"
 
 
+def test_a_flock_that_stops_at_the_very_end_has_flocked():
+    moving = known_flock("parallel", 0.1, duration=70.0, position_noise=0).recording
+    poses = moving.poses.copy()
+    poses[-60:] = poses[-60]
+    analysis = analyse(dataclasses.replace(moving, poses=poses), radius=100.0)
+    assert verdict(analysis, "align").mark == "good"
+
+
 def test_verdicts_tell_parallel_from_scattered():
     answers = {}
     for motion in ("parallel", "counter", "random"):
