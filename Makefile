@@ -77,6 +77,7 @@ bench-verify: $(VENV)/.dev  ## the flock under imperfections; calibration agains
 bench-report: $(VENV)/.dev  ## estimators against truth; cost of an analysis over a run's length
 	$(BIN)/python benchmarks/estimator_truth.py
 	$(BIN)/python benchmarks/report_scaling.py
+	$(BIN)/python benchmarks/replay_video.py
 
 bench-fuzz: $(VENV)/.dev  ## twenty thousand damaged files through the readers of logs
 	$(BIN)/python benchmarks/fuzz_readers.py

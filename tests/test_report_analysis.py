@@ -24,7 +24,7 @@ def nine_robots(tmp_path_factory):
     folder = tmp_path_factory.mktemp("nine")
     command = [sys.executable, ROOT / "experiments/robotarium_9bot.py", "--seed", "3"]
     subprocess.run(
-        [*command, "--duration", "26", "--out", folder], check=True, capture_output=True, cwd=ROOT
+        [*command, "--duration", "22", "--out", folder], check=True, capture_output=True, cwd=ROOT
     )
     return analyse(folder / "nine_robots.npy")
 
@@ -126,6 +126,14 @@ def test_a_flock_that_parks_on_the_way_came_to_a_stop():
     analysis = analyse(dataclasses.replace(moving, poses=poses), radius=100.0)
     assert verdict(analysis, "align").answer == "No: it came to a stop."
     assert verdict(analysis, "align").mark == "bad"
+
+
+def test_a_flock_that_stops_at_the_very_end_has_flocked():
+    moving = known_flock("parallel", 0.1, duration=70.0, position_noise=0).recording
+    poses = moving.poses.copy()
+    poses[-60:] = poses[-60]
+    analysis = analyse(dataclasses.replace(moving, poses=poses), radius=100.0)
+    assert verdict(analysis, "align").mark == "good"
 
 
 def test_verdicts_tell_parallel_from_scattered():

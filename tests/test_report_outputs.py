@@ -140,7 +140,7 @@ def test_an_mp4_has_as_many_frames_as_it_should(tmp_path, recording):
     frames = sorted(tmp_path.glob("*.png"))
     assert len(frames) == 20
     with Image.open(frames[10]) as picture:
-        assert picture.size == (960, 640)
+        assert picture.size == (840, 560)
         assert 0.006 < blue_share(picture) < 0.02
 
 

@@ -211,13 +211,14 @@ def test_latex_escapes_names():
 
 def test_the_whole_report_lies_in_its_folder(tmp_path, analysis):
     written = write_report([analysis], tmp_path / "deep" / "report", latex=True)
-    assert {path.name for path in written} >= {
+    figures = ("snapshots", "alignment", "distances", "motion")
+    assert {path.name for path in written} == {
         "report.html",
         "metrics.csv",
         "summary.json",
         "table.tex",
-        "alignment.pdf",
-        "alignment.png",
+        "parallel_0.1.analysis.npz",
+        *(f"{figure}.{kind}" for figure in figures for kind in ("png", "pdf")),
     }
     assert all(path.stat().st_size > 500 for path in written)
     assert {path for path in tmp_path.rglob("*") if path.is_file()} == set(written)

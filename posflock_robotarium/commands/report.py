@@ -195,7 +195,7 @@ def replay(
     ],
     fps: Annotated[
         float | None,
-        typer.Option(help="Frames a second; 25 for .mp4, 12.5 for .gif.", show_default=False),
+        typer.Option(help="Frames a second; 20 for .mp4, 12.5 for .gif.", show_default=False),
     ] = None,
     speed: Annotated[float, typer.Option(help="Seconds of the run a second of film.")] = 1.0,
     layout: Layout = None,

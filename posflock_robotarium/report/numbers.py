@@ -25,8 +25,8 @@ FEWEST_COUNTED = 0.005
 STALL_COMMAND = 0.02
 """Commanded speed in m/s above which a standing robot stalls."""
 
-LAST_SECONDS = 3.0
-"""How much of a run is its end."""
+LAST_SHARE = 0.1
+"""How much of a run is its end: long enough that a script's own last stop is not parking."""
 
 STALL_SECONDS = 1.0
 """Seconds a robot must stand against its command; the testbed's dead time is 0.2 s."""
@@ -210,13 +210,13 @@ def _motion(s: Situation, add: _Add) -> None:
         "share",
         f"Share of robots and time {since} at no more than {s.slowest:g} m/s.",
     )
-    final = r.t >= r.t[-1] - LAST_SECONDS
+    final = r.t >= r.t[-1] - LAST_SHARE * (r.t[-1] - r.t[0])
     add(
         "standing_end",
         "standing robots at the end",
         _mean(standing[final], weights[final]),
         "share",
-        f"The same over the last {LAST_SECONDS:g} s.",
+        "The same over the last tenth of the run.",
     )
     centroid = r.poses[:, :2].mean(axis=2)
     add(

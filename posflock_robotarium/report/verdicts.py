@@ -128,7 +128,7 @@ def _parked(v: Mapping[str, float], threshold: float, slowest: float) -> Verdict
         answer, short = "No: it came to a stop.", "came to a stop"
     because = (
         f"Robots are slower than {slowest:g} m/s for {_pc(standing)} of the time, and "
-        f"{_pc(v['standing_end'])} of them at the end. "
+        f"{_pc(v['standing_end'])} of them over the last tenth of the run. "
     )
     because += (
         f"Headings are parallel (γ from headings {_g(headings)}), as those of parked robots may "

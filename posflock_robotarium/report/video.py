@@ -28,10 +28,10 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Frame = NDArray[np.uint8]
 
-SIZE = {".mp4": (960, 640), ".gif": (640, 426)}
+SIZE = {".mp4": (840, 560), ".gif": (640, 426)}
 """Pixels."""
 
-RATE = {".mp4": 25.0, ".gif": 12.5}
+RATE = {".mp4": 20.0, ".gif": 12.5}
 """Frames a second."""
 
 TRAIL = 10.0
@@ -59,7 +59,7 @@ def write_video(
     path : Path
         Ends in ``.mp4`` or ``.gif``.
     fps : float, optional
-        Frames a second; 25 for MP4, 12.5 for GIF.
+        Frames a second; 20 for MP4, 12.5 for GIF.
     speed : float
         Seconds of the run a second of film.
     robot : RobotModel
