@@ -13,11 +13,15 @@ from posflock_robotarium.sweep.study import parse_study
 from posflock_robotarium.workers import THREAD_VARIABLES, local_pool, processors
 
 
+def die(experiment, runs):
+    os._exit(1)
+
+
 def test_workers_have_one_thread_and_the_caller_keeps_its_own(monkeypatch):
     monkeypatch.setenv("OPENBLAS_NUM_THREADS", "7")
     monkeypatch.delenv("MKL_NUM_THREADS", raising=False)
     with local_pool(1) as pool:
-        seen = [pool.submit(os.environ.get, name).result() for name in THREAD_VARIABLES]
+        seen = [pool.submit(os.getenv, name).result() for name in THREAD_VARIABLES]
     assert seen == ["1"] * len(THREAD_VARIABLES)
     assert os.environ["OPENBLAS_NUM_THREADS"] == "7"
     assert "MKL_NUM_THREADS" not in os.environ
@@ -28,9 +32,9 @@ def test_a_worker_that_dies_is_an_error_that_says_what_to_do(tmp_path, monkeypat
     study = parse_study(
         {"experiment": "freespace", "replications": 1, "grid": {"persistence": [0.1, 0.2]}}
     )
-    monkeypatch.setattr("posflock_robotarium.sweep.execution.compute", os._exit)
+    monkeypatch.setattr("posflock_robotarium.sweep.execution.compute", die)
     with Store(tmp_path) as store, pytest.raises(WorkerError, match="start again"):
-        execute(study, store, lambda _, work: locally(2)(3, work))
+        execute(study, store, locally(2))
 
 
 def test_an_error_of_one_run_reaches_the_caller_and_leaves_the_others(tmp_path):
