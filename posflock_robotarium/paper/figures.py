@@ -138,7 +138,7 @@ def history(evidence: Evidence, *, single: bool) -> Figure:
 
 def _near_one(axes: Axes, evidence: Evidence, single: bool) -> None:
     """Show in an inset what happens just below γ = 1, where two models lie on each other."""
-    inset = axes.inset_axes((0.16, 0.10, 0.36, 0.36))
+    inset = axes.inset_axes((0.15, 0.20, 0.33, 0.30))
     for model in (Model.VELOCITY, Model.POSITION):
         measures = evidence.measures[model]
         _curve(inset, measures.times, measures.gamma, model, single)

@@ -68,12 +68,11 @@ def execute(
 
 def batches(runs: Iterable[Run], together: int) -> list[list[Run]]:
     """Group runs with equal parameters into batches of at most so many."""
-    grouped = groupby(runs, key=lambda run: sorted(run.parameters.items()))
-    return [
-        batch
-        for _, group in grouped
-        for batch in iter(lambda: list(islice(group, together)), [])  # noqa: B023
-    ]
+    made = []
+    for _, group in groupby(runs, key=lambda run: sorted(run.parameters.items())):
+        alike = list(group)
+        made += [alike[at : at + together] for at in range(0, len(alike), together)]
+    return made
 
 
 def compute(experiment: str, runs: Sequence[Run]) -> list[Row]:
