@@ -148,7 +148,7 @@ def _near_one(axes: Axes, evidence: Evidence, single: bool) -> None:
 
 @in_style
 def rigidity(evidence: Evidence, *, single: bool) -> Figure:
-    """Draw the variance of pairwise distances, and of their change (paper, Fig. 7)."""
+    """Draw the variance of pairwise distances, and of their change (paper, Fig. 6)."""
     figure = new_figure(7.2, 2.5)
     panels = figure.subplots(1, 2, sharex=True)
     titles = ("Var ‖p$_{ij}$(t)‖ (m²)", "Var (‖p$_{ij}$(t)‖ − ‖p$_{ij}$(0)‖) (m²)")
@@ -165,7 +165,7 @@ def rigidity(evidence: Evidence, *, single: bool) -> Figure:
 
 @in_style
 def robots_alignment(robots: Robots, *, single: bool) -> Figure:
-    """Draw γ of the nine robots from headings and from motion (paper, Fig. 9)."""
+    """Draw γ of the nine robots from headings and from motion (paper, Fig. 8)."""
     figure = new_figure(3.5, 2.4)
     axes = figure.subplots()
     for values, label, colour, dash in (
