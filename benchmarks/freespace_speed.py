@@ -87,10 +87,20 @@ def draw(costs: np.ndarray, exponent: float, path: Path) -> None:
         figure = new_figure(3.5, 2.6)
         axes = figure.subplots()
         linear = 1e3 * costs[0] * np.array(SIZES) / SIZES[0]
-        axes.loglog(SIZES, linear, color=GREY, linestyle="--", label="linear")
-        axes.loglog(SIZES, 1e3 * costs, "o-", color=BLUE, label=f"measured, n$^{{{exponent:.2f}}}$")
+        axes.loglog(SIZES, linear, color=GREY, linestyle="--", linewidth=1.0, label="linear")
+        axes.loglog(
+            SIZES,
+            1e3 * costs,
+            "o-",
+            color=BLUE,
+            linewidth=1.1,
+            markersize=4,
+            label=f"measured, n$^{{{exponent:.2f}}}$",
+        )
         axes.set(xlabel="agents n (–)", ylabel="CPU time of a step (ms)")
         axes.set_xticks(SIZES, [f"{size:,}" for size in SIZES])
+        ticks = [tick for tick in (1, 2, 5, 10, 20, 50, 100, 200) if tick < 1.2e3 * costs[-1]]
+        axes.set_yticks(ticks, [str(tick) for tick in ticks])
         axes.minorticks_off()
         axes.legend()
         path.parent.mkdir(parents=True, exist_ok=True)

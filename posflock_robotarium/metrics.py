@@ -344,7 +344,7 @@ def _mean_direction(velocities: ArrayLike, slowest: float) -> Floats:
     direction = np.divide(v, speed[..., None, :], out=np.zeros_like(v), where=moving[..., None, :])
     number = moving.sum(axis=-1)[..., None]
     total = direction.sum(axis=-1)
-    return np.divide(total, number, out=np.full_like(total, np.nan), where=number > 0)
+    return np.asarray(np.divide(total, number, out=np.full_like(total, np.nan), where=number > 0))
 
 
 def _neighbour_sums(

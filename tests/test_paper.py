@@ -10,8 +10,8 @@ from typer.testing import CliRunner
 
 from posflock_robotarium.cli import app
 from posflock_robotarium.errors import OutputError, ParameterError
-from posflock_robotarium.freespace import Model
-from posflock_robotarium.measures import summarise
+from posflock_robotarium.freespace import FreeSpace, Model, simulate
+from posflock_robotarium.measures import measure, summarise
 from posflock_robotarium.paper.claims import CLAIMS, Claim, judge_all
 from posflock_robotarium.paper.evidence import gather
 from posflock_robotarium.paper.reproduction import reproduce
@@ -102,9 +102,6 @@ def test_every_figure_is_written_twice_and_tables_hold_every_variation(found):
 
 def test_evidence_does_not_depend_on_workers(found):
     of_one = found.evidence.measures[Model.POSITION]
-    from posflock_robotarium.freespace import FreeSpace, simulate
-    from posflock_robotarium.measures import measure
-
     alone = measure(simulate(FreeSpace(Model.POSITION), 1), 7.5)
     for name, value in summarise(alone).items():
         np.testing.assert_array_equal(summarise(of_one)[name][1], value, err_msg=name)

@@ -453,7 +453,7 @@ CLAIMS: tuple[Claim, ...] = (
     ),
     Claim(
         "variance-increases",
-        "“this variance [of pairwise distances] increases during the transient phase” (Fig. 7)",
+        "“this variance [of pairwise distances] increases during the transient phase” (Fig. 6)",
         "median over seeds of the variance of pairwise distances at 10 s less that at 0 s,"
         " P-based (thr.)",
         _transient_variance_change,
@@ -468,7 +468,7 @@ CLAIMS: tuple[Claim, ...] = (
     ),
     Claim(
         "formation-not-preserved",
-        "“the initial formation is not preserved” (caption of Fig. 7)",
+        "“the initial formation is not preserved” (caption of Fig. 6)",
         "median over seeds of the variance of the change of pairwise distances at 10 s,"
         " P-based (thr.)",
         _transient_change_variance,

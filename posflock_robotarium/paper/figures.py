@@ -138,7 +138,7 @@ def history(evidence: Evidence, *, single: bool) -> Figure:
 
 def _near_one(axes: Axes, evidence: Evidence, single: bool) -> None:
     """Show in an inset what happens just below γ = 1, where two models lie on each other."""
-    inset = axes.inset_axes((0.16, 0.10, 0.36, 0.36))
+    inset = axes.inset_axes((0.15, 0.20, 0.33, 0.30))
     for model in (Model.VELOCITY, Model.POSITION):
         measures = evidence.measures[model]
         _curve(inset, measures.times, measures.gamma, model, single)
@@ -148,7 +148,7 @@ def _near_one(axes: Axes, evidence: Evidence, single: bool) -> None:
 
 @in_style
 def rigidity(evidence: Evidence, *, single: bool) -> Figure:
-    """Draw the variance of pairwise distances, and of their change (paper, Fig. 7)."""
+    """Draw the variance of pairwise distances, and of their change (paper, Fig. 6)."""
     figure = new_figure(7.2, 2.5)
     panels = figure.subplots(1, 2, sharex=True)
     titles = ("Var ‖p$_{ij}$(t)‖ (m²)", "Var (‖p$_{ij}$(t)‖ − ‖p$_{ij}$(0)‖) (m²)")
@@ -165,7 +165,7 @@ def rigidity(evidence: Evidence, *, single: bool) -> Figure:
 
 @in_style
 def robots_alignment(robots: Robots, *, single: bool) -> Figure:
-    """Draw γ of the nine robots from headings and from motion (paper, Fig. 9)."""
+    """Draw γ of the nine robots from headings and from motion (paper, Fig. 8)."""
     figure = new_figure(3.5, 2.4)
     axes = figure.subplots()
     for values, label, colour, dash in (

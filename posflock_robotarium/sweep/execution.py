@@ -10,6 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from itertools import groupby, islice
 
@@ -22,6 +23,10 @@ from posflock_robotarium.workers import local_pool, processors
 
 #: What gives rows for batches of runs, in any order.
 Executor = Callable[[str, Sequence[Sequence[Run]]], Iterator[list[Row]]]
+
+
+class WorkerError(PosflockError):
+    """A worker process of this machine died."""
 
 
 class ClusterError(PosflockError):
@@ -63,12 +68,11 @@ def execute(
 
 def batches(runs: Iterable[Run], together: int) -> list[list[Run]]:
     """Group runs with equal parameters into batches of at most so many."""
-    grouped = groupby(runs, key=lambda run: sorted(run.parameters.items()))
-    return [
-        batch
-        for _, group in grouped
-        for batch in iter(lambda: list(islice(group, together)), [])  # noqa: B023
-    ]
+    made = []
+    for _, group in groupby(runs, key=lambda run: sorted(run.parameters.items())):
+        alike = list(group)
+        made += [alike[at : at + together] for at in range(0, len(alike), together)]
+    return made
 
 
 def compute(experiment: str, runs: Sequence[Run]) -> list[Row]:
@@ -130,7 +134,13 @@ def locally(workers: int | None = None) -> Executor:
                 if not pending:
                     return
                 finished, pending = wait(pending, return_when=FIRST_COMPLETED)
-                yield from (future.result() for future in finished)
+                try:
+                    yield from (future.result() for future in finished)
+                except BrokenProcessPool as error:
+                    raise WorkerError(
+                        "a worker process died, perhaps for want of memory; finished runs are in"
+                        " the store: start again, with fewer --workers"
+                    ) from error
 
     return run
 
