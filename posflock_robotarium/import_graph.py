@@ -3,13 +3,13 @@
 The testbed takes one main file and what lies flat beside it, so two questions must be answered
 before an upload: which of a script's imports are the user's own files (or ours), and which are
 libraries that the testbed has or lacks.  :func:`trace` walks all ``import`` statements, also
-those inside functions, and follows into every file that is not part of an installed library
-of the testbed.
+those inside functions, and calls like ``import_module("name")``, and follows into every file
+that is not part of an installed library of the testbed.
 
 Three kinds of import are not followed: those under ``if TYPE_CHECKING``, which never run; the
 fallbacks in ``except ImportError`` of something that the testbed has, which never run there; and
 what a package imports inside a function and needs a library that the testbed lacks, such as a
-choice of several solvers.
+choice of several solvers.  What is installed on this machine does not matter for that.
 """
 
 from __future__ import annotations
@@ -218,7 +218,7 @@ def trace(script: Path, search: Sequence[Path] = ()) -> Trace:
                 if name in seen:
                     continue
                 if statement.lazy and package and not is_package:
-                    absent = _absent_library(parse(file))
+                    absent = _absent_library(parse(file), folders)
                     if absent:
                         found.left_out[name] = absent
                         continue
@@ -249,6 +249,8 @@ def _walk(
                     yield from _walk(handler.body, package, guarded, lazy)
             yield from _walk([*node.orelse, *node.finalbody], package, guarded, lazy)
         else:
+            for module in _called(node):
+                yield Import(module, (), node.lineno, guarded, lazy=lazy)
             inside = isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
             for _, value in ast.iter_fields(node):
                 if isinstance(value, list):
@@ -259,13 +261,27 @@ def _walk(
                     yield from _walk(statements, package, guarded, lazy or inside)
 
 
-def _absent_library(tree: ast.Module) -> str | None:
-    """Return a library that a module imports and the testbed has not."""
+def _called(node: ast.stmt) -> Iterator[str]:
+    """Yield what a statement imports by ``import_module("name")`` or ``__import__("name")``."""
+    parts = (ast.stmt, ast.excepthandler, ast.match_case)
+    for part in ast.iter_child_nodes(node):
+        for inner in () if isinstance(part, parts) else ast.walk(part):
+            if not isinstance(inner, ast.Call) or not inner.args:
+                continue
+            name = getattr(inner.func, "attr", getattr(inner.func, "id", ""))
+            module = getattr(inner.args[0], "value", None)
+            if name in ("import_module", "__import__") and isinstance(module, str):
+                if not module.startswith("."):
+                    yield module
+
+
+def _absent_library(tree: ast.Module, folders: Sequence[Path]) -> str | None:
+    """Return what a module imports that neither the testbed has nor a local file brings."""
     for statement in imports(tree):
         top = statement.top
         if statement.relative or statement.guarded or testbed.is_available(top):
             continue
-        if top in testbed.ABSENT or (top not in _OURS and _is_installed(top)):
+        if top not in _OURS and not any(_files(statement, folders)):
             return top
     return None
 

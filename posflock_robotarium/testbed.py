@@ -82,6 +82,7 @@ ABSENT = {
     "cvxpy": "state the QP to cvxopt directly, or use scipy.optimize",
     "clarabel": "solve the QP with cvxopt or scipy.optimize",
     "daqp": "solve the QP with cvxopt or scipy.optimize",
+    "piqp": "solve the QP with cvxopt or scipy.optimize",
     "quadprog": "solve the QP with cvxopt or scipy.optimize",
     "qpsolvers": "solve the QP with cvxopt or scipy.optimize",
     "pandas": "use numpy, or the csv module",

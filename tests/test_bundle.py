@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from posflock_robotarium import bundle as bundling
-from posflock_robotarium import testbed
+from posflock_robotarium import import_graph, testbed
 from posflock_robotarium.bundle import (
     INSTRUCTIONS,
     MANIFEST,
@@ -186,5 +186,36 @@ def test_the_experiment_goes_with_what_it_needs_and_no_more(tmp_path):
     assert (tmp_path / "up" / EXPERIMENT.name).read_bytes() == EXPERIMENT.read_bytes()
     assert {"flock.py", "law.py", "poselog.py", "unicycle.py", "solve_nnls.py"} <= set(ready.files)
     assert {"posflock_robotarium.py", "barrier_certificates.py"} <= set(ready.files)
-    assert not {"cli.py", "runner.py", "arena.py", "solve_osqp.py"} & set(ready.files)
+    assert not {"cli.py", "runner.py", "arena.py"} & set(ready.files)
+    assert {name for name in ready.files if name.startswith("solve_")} == {
+        "solve_nnls.py", "solve_cvxopt.py"
+    }  # fmt: skip
     assert bundling.main_file(tmp_path / "up") == EXPERIMENT.name
+
+
+def test_the_experiments_bundle_is_the_same_where_no_solver_is_installed(tmp_path, monkeypatch):
+    here = bundle(EXPERIMENT, tmp_path / "here")
+    found = import_graph._spec
+    solvers = {"piqp", "daqp", "osqp", "clarabel", "cvxpy", "cvxopt"}
+    monkeypatch.setattr(import_graph, "_spec", lambda top: None if top in solvers else found(top))
+    bare = bundle(EXPERIMENT, tmp_path / "bare")
+    assert (bare.files, bare.left_out) == (here.files, here.left_out)
+
+
+@pytest.mark.parametrize(
+    "needs", ["import not_a_module", 'from importlib import import_module\nimport_module("pandas")']
+)
+def test_what_a_package_offers_and_cannot_be_used_there_is_left_out(tmp_path, needs):
+    home = tmp_path / "home"
+    write(home, "team/__init__.py", "def choose():\n    from team import fancy\n")
+    write(home, "team/fancy.py", needs)
+    ready = bundle(write(home, "main_script.py", "import team"), tmp_path / "up")
+    assert set(ready.files) == {"main_script.py", "team.py"}
+    assert ready.left_out == {"team.fancy": "pandas" if "pandas" in needs else "not_a_module"}
+
+
+def test_a_module_named_in_a_call_is_taken_along(tmp_path):
+    home = tmp_path / "home"
+    write(home, "helper.py", "x = 1\n")
+    text = 'import importlib\nhelper = importlib.import_module("helper")\n'
+    assert "helper.py" in bundle(write(home, "main_script.py", text), tmp_path / "up").files
