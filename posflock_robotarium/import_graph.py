@@ -270,9 +270,9 @@ def _called(node: ast.stmt) -> Iterator[str]:
                 continue
             name = getattr(inner.func, "attr", getattr(inner.func, "id", ""))
             module = getattr(inner.args[0], "value", None)
-            if name in ("import_module", "__import__") and isinstance(module, str):
-                if not module.startswith("."):
-                    yield module
+            imports_it = name in ("import_module", "__import__") and isinstance(module, str)
+            if imports_it and not module.startswith("."):
+                yield module
 
 
 def _absent_library(tree: ast.Module, folders: Sequence[Path]) -> str | None:
