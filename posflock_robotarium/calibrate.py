@@ -61,6 +61,8 @@ _Z = 2.575829
 #: Rows below which nothing sensible can be fitted.
 _LEAST_ROWS = 60
 _LARGEST_DEAD_TIME, _LARGEST_LAG = 1.0, 1.0
+#: A lag of which nothing is left after a step, s; the search needs one above 0.
+_LEAST_LAG = 1e-4
 
 
 @dataclass(frozen=True)
@@ -193,6 +195,9 @@ def calibrate(log: Log, time_step: float | None = None) -> Calibration:
     parameters, covariance, channels = fit.solve()
     dead_time, lag = parameters[:2]
     spread = np.sqrt(np.diag(covariance))
+    # What ended at the search's lower bound is none.
+    dead_time = dead_time if dead_time > 0.01 * spread[0] else 0.0
+    lag = lag if lag > 1.01 * _LEAST_LAG else 0.0
     robots = log.robots
 
     def estimates(first: int) -> tuple[Estimate, ...]:
@@ -302,7 +307,7 @@ class _Channel:
 
     q: float
     r: float
-    spread: tuple[float, float]  # of the logarithms of q and r
+    spread: tuple[float, float]  # standard deviations of the estimates q and r
 
     @property
     def jitter(self) -> Estimate:
@@ -315,8 +320,13 @@ class _Channel:
 
     @staticmethod
     def _deviation(variance: float, spread: float, dt: float) -> Estimate:
-        value, factor = math.sqrt(variance) / dt, math.exp(_Z * spread / 2)
-        return Estimate(value, value / factor, value * factor)
+        """Return the root of a variance; from 0 on where it cannot be told from none at all."""
+        if variance > _Z * spread:
+            value, factor = math.sqrt(variance) / dt, math.exp(_Z * spread / variance / 2)
+            return Estimate(value, value / factor, value * factor)
+        # Far below its own uncertainty it is where a flat likelihood left the search.
+        value = 0.0 if variance < 0.01 * spread else math.sqrt(variance) / dt
+        return Estimate(value, 0.0, math.sqrt(variance + _Z * spread) / dt)
 
 
 class _Fit:
@@ -340,8 +350,25 @@ class _Fit:
         channels = self._noise(self._residuals(speed, turn, bias, *shape))
         parameters = np.concatenate([shape, speed, turn, bias])
         jacobian = self._jacobian(parameters)
-        covariance = np.linalg.inv(jacobian.T @ jacobian)
-        return parameters, covariance, channels
+        return parameters, self._covariance(jacobian), channels
+
+    def _covariance(self, jacobian: Floats) -> Floats:
+        """Return the parameters' covariance, or refuse a log that leaves one undetermined."""
+        size = np.linalg.norm(jacobian, axis=0)
+        names = ["the dead time", "the lag"]
+        for what in ("speed gain", "turn gain", "turn bias"):
+            names += [f"the {what} of robot {robot}" for robot in range(self.robots)]
+        lost = [name for name, s in zip(names, size, strict=True) if not (0 < s < math.inf)]
+        if not lost:
+            scaled = jacobian / size
+            try:
+                return np.linalg.inv(scaled.T @ scaled) / np.outer(size, size)
+            except np.linalg.LinAlgError:
+                lost = names[:2]
+        raise LogError(
+            f"the log does not determine {', '.join(lost[:3])}: drive the robots so that they"
+            " follow commands that change"
+        )
 
     def _features(self, dead_time: float, lag: float) -> tuple[Floats, Floats]:
         driven = delayed(self.data.commands, dead_time, lag, self.dt) * self.dt
@@ -387,7 +414,7 @@ class _Fit:
         found = least_squares(
             lambda shape: cost((float(shape[0]), float(shape[1]))),
             best,
-            bounds=([0.0, 1e-4], [_LARGEST_DEAD_TIME, _LARGEST_LAG]),
+            bounds=([0.0, _LEAST_LAG], [_LARGEST_DEAD_TIME, _LARGEST_LAG]),
             diff_step=1e-3,
             x_scale=[0.05, 0.05],
         )
@@ -441,9 +468,9 @@ def _channel(residual: Floats) -> _Channel:
         key=lambda result: float(result.fun),
     )
     q, r = np.exp(found.x)
-    parts = np.stack([np.full(rows, q), r * shape]) / spectrum(found.x)
+    parts = np.stack([np.full(rows, mean), mean * shape]) / spectrum(found.x)
     information = residual.shape[1] / 2 * parts @ parts.T
-    spread = np.sqrt(np.diag(np.linalg.pinv(information)))
+    spread = mean * np.sqrt(np.diag(np.linalg.pinv(information)))
     return _Channel(float(q), float(r), (float(spread[0]), float(spread[1])))
 
 

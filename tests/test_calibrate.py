@@ -1,6 +1,5 @@
 """Known imperfections are found again, with intervals that hold them."""
 
-import math
 
 import numpy as np
 import pytest
@@ -78,11 +77,14 @@ def test_the_model_is_the_one_that_is_simulated():
     np.testing.assert_allclose(driven, delayed(commands, 0.21, 0.13, 0.033), atol=1e-12)
 
 
-def plain_log(rows=100, t=None, speed=True, turn=True):
+def plain_log(rows=100, t=None, speed=True, turn=True, smooth=False):
     rng = np.random.default_rng(0)
     commands = np.zeros((rows, 2, 2))
     commands[:, 0] = rng.uniform(0.0, 0.1, (rows, 2)) if speed else 0.1
     commands[:, 1] = rng.uniform(-0.5, 0.5, (rows, 2)) if turn else 0.0
+    if smooth:
+        waves = np.sin(np.arange(rows)[:, None] * 0.033 * np.array([0.7, 1.1]))
+        commands[:, 0], commands[:, 1] = 0.05 + 0.03 * waves, 0.5 * waves[:, ::-1]
     arena = Arena(np.zeros((3, 2)))
     poses = np.empty((rows, 3, 2))
     for k in range(rows):
@@ -93,11 +95,24 @@ def plain_log(rows=100, t=None, speed=True, turn=True):
     return Log(np.arange(rows) * 0.033 if t is None else t, poses, commands, none, none, none)
 
 
-def test_ideal_robots_have_no_imperfections():
-    found = calibrate(plain_log(400))
+@pytest.mark.parametrize("smooth", [False, True])
+def test_ideal_robots_have_no_imperfections(smooth):
+    """Smooth commands leave residuals so regular that no jitter at all is likeliest."""
+    found = calibrate(plain_log(400, smooth=smooth))
     assert found.dead_time.value + found.lag.value < 0.003
     assert [e.value for e in found.speed_gain] == pytest.approx([1.0, 1.0], abs=1e-3)
-    assert math.isfinite(found.jitter["along"].value)
+    for estimate in (*found.jitter.values(), *found.disturbance.values()):
+        assert 0 <= estimate.low <= estimate.value <= estimate.high < 0.01
+    if smooth:
+        assert found.jitter["heading"].value == found.jitter["heading"].low == 0.0
+    assert profile_from_toml(profile_to_toml(found.profile())) == found.profile()
+
+
+def test_robots_that_did_not_obey_are_refused():
+    log = plain_log(400)
+    log.poses[:] = log.poses[0]
+    with pytest.raises(LogError, match="does not determine the dead time, the lag"):
+        calibrate(log)
 
 
 @pytest.mark.parametrize(
