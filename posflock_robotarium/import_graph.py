@@ -270,8 +270,9 @@ def _called(node: ast.stmt) -> Iterator[str]:
                 continue
             name = getattr(inner.func, "attr", getattr(inner.func, "id", ""))
             module = getattr(inner.args[0], "value", None)
-            imports_it = name in ("import_module", "__import__") and isinstance(module, str)
-            if imports_it and not module.startswith("."):
+            if name not in ("import_module", "__import__") or not isinstance(module, str):
+                continue
+            if not module.startswith("."):
                 yield module
 
 

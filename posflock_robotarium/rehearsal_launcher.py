@@ -41,6 +41,22 @@ def _refuse_network(event: str, arguments: Any) -> None:
         raise PermissionError(f"there is no network in a rehearsal ({event})")
 
 
+def _place(error: BaseException) -> str:
+    """Return the line of main.py that an error came through, and of the module it rose in."""
+    home = os.getcwd()
+    frames = traceback.extract_tb(error.__traceback__)
+    places = [(frame.filename, frame.lineno) for frame in frames]
+    if isinstance(error, SyntaxError) and error.filename:
+        places.append((error.filename, error.lineno))
+    # The main file goes by its bare name, other uploads by their full path.
+    main = [(name, line) for name, line in places if name == "main.py"]
+    others = [
+        (os.path.basename(name), line) for name, line in places if os.path.dirname(name) == home
+    ]
+    words = [f"{name}, line {line}" for name, line in main[-1:] + others[-1:]]
+    return words[0] + (f" ({words[1]})" if words[1:] else "") + ": " if words else ""
+
+
 def main() -> None:
     """Run the plan that is given as the one argument."""
     with open(sys.argv[1]) as file:
@@ -64,7 +80,7 @@ def main() -> None:
     sys.argv = ["main.py"]
     sys.path.insert(0, os.getcwd())
     sys.addaudithook(_refuse_network)
-    ended = "crashed"
+    ended, reason = "crashed", ""
     try:
         with session.active():
             runpy.run_path("main.py", run_name="__main__")
@@ -73,12 +89,16 @@ def main() -> None:
         ended = "interrupted"
     except SystemExit as end:
         ended = "finished" if end.code in (None, 0) else "exited"
-    except BaseException:
+        reason = "" if ended == "finished" else f"exit code {end.code!r}"
+    except BaseException as error:
         traceback.print_exc()
+        what = traceback.format_exception_only(type(error), error)[-1].strip()
+        reason = _place(error) + what.partition("\n")[0]
     finally:
         arena = watch.arenas[-1] if watch.arenas else None
         verdict = {
             "ended": "interrupted" if watch.interrupted and ended == "finished" else ended,
+            "reason": reason,
             "seconds": arena.time if arena else 0.0,
             "steps": arena.steps if arena else 0,
             "robots": arena.number_of_robots if arena else 0,

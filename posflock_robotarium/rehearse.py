@@ -82,6 +82,8 @@ class Rehearsal:
         How the network was kept away.
     faults : dict
         Steps with too near pairs, robots outside, and wheels beyond their limit.
+    reason : str
+        Why it crashed or exited: the line of main.py and the error; empty where it did not.
     """
 
     ended: str
@@ -93,6 +95,7 @@ class Rehearsal:
     environment: Environment
     network: str
     faults: dict[str, int] = field(default_factory=dict)
+    reason: str = ""
 
     @property
     def passed(self) -> bool:
@@ -357,6 +360,7 @@ def _read_verdict(path: Path) -> dict[str, Any]:
         verdict: dict[str, Any] = json.loads(path.read_text())
     except (OSError, ValueError):
         verdict = {"ended": "hung", "seconds": 0.0, "steps": 0, "robots": 0, "faults": {}}
+        verdict["reason"] = "it was killed, or went on after it had been interrupted"
     return verdict
 
 

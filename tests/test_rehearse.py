@@ -75,7 +75,35 @@ def test_a_crash_comes_back_with_its_traceback(tmp_path):
     done = rehearse(up, tmp_path / "back", environment=HERE)
     assert done.ended == "crashed"
     assert not done.passed
+    assert done.reason == "main.py, line 16: ZeroDivisionError: division by zero"
     assert "ZeroDivisionError" in (tmp_path / "back" / "log.txt").read_text()
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        (SCRIPT + "sys.exit('no goals left')\n", r"exit code 'no goals left'"),
+        (SCRIPT + "raise ValueError\n", r"main\.py, line 17: ValueError$"),
+        (SCRIPT + "import json\njson.loads('')\n", r"main\.py, line 18: json\.decoder\.JSONDecodeError: Exp"),
+        (SCRIPT, "$"),
+    ],
+)
+def test_the_reason_of_the_end_is_told_in_a_line(tmp_path, text, reason):
+    done = rehearse(laid(tmp_path, text), tmp_path / "back", environment=HERE)
+    assert re.match(reason, done.reason), done.reason
+
+
+def test_a_module_that_crashes_is_named_with_the_main_files_line(tmp_path):
+    (tmp_path / "helper.py").write_text("def halve(x):\n    return x / 0\n")
+    up = laid(tmp_path, SCRIPT + "import helper\nhelper.halve(1)\n")
+    done = rehearse(up, tmp_path / "back", environment=HERE)
+    assert done.reason == "main.py, line 18 (helper.py, line 2): ZeroDivisionError: division by zero"
+
+
+def test_a_module_that_the_testbeds_python_cannot_read_is_named(tmp_path):
+    text = SCRIPT + "open('bad.py', 'w').write('\\nx = (')\n__import__('ba' + 'd')\n"
+    done = rehearse(laid(tmp_path, text), tmp_path / "back", environment=HERE)
+    assert done.reason.startswith("main.py, line 18 (bad.py, line 2): SyntaxError: ")
 
 
 def test_there_is_no_network(tmp_path):

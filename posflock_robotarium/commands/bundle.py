@@ -121,7 +121,8 @@ def rehearse(
     else:
         environment = done.environment
         versions = ", ".join(f"{name} {v}" for name, v in environment.libraries.items())
-        typer.echo(f"{done.ended} after {done.seconds:.1f} s, {done.steps} steps")
+        why = f": {done.reason}" if done.reason else ""
+        typer.echo(f"{done.ended} after {done.seconds:.1f} s, {done.steps} steps{why}")
         typer.echo(f"environment: Python {environment.version}, {versions}; {done.network}")
         if environment.note:
             typer.echo(f"note: {environment.note}")
