@@ -20,12 +20,14 @@ from __future__ import annotations
 import ast
 import hashlib
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from posflock_robotarium import import_graph, testbed
 from posflock_robotarium.errors import OutputError, PosflockError
+from posflock_robotarium.verify.findings import count
+from posflock_robotarium.verify.generations import wrong_names
 from posflock_robotarium.verify.static import Source, files_read
 
 MANIFEST, INSTRUCTIONS = "MANIFEST", "SUBMIT.md"
@@ -60,6 +62,8 @@ class Bundle:
         To be entered at submission, where known.
     duration : float, optional
         To be entered at submission, s, where known.
+    warnings : tuple of str
+        What will stop it on the testbed, though it can be laid flat.
     """
 
     folder: Path
@@ -68,6 +72,7 @@ class Bundle:
     left_out: dict[str, str]
     robots: int | None = None
     duration: float | None = None
+    warnings: tuple[str, ...] = ()
 
     @property
     def size(self) -> int:
@@ -128,7 +133,8 @@ def bundle(
     from posflock_robotarium.verify.judge import recommended_duration
 
     duration = None if run_seconds is None else recommended_duration(run_seconds)
-    ready = Bundle(folder, script.name, files, found.left_out, robots, duration)
+    warnings = tuple(_warnings(script, found))
+    ready = Bundle(folder, script.name, files, found.left_out, robots, duration, warnings)
     _write(ready)
     return ready
 
@@ -151,6 +157,23 @@ def _require_complete(found: import_graph.Trace) -> None:
             f"{where}: imports {statement.module}, which is neither beside the script nor on the"
             f" testbed; put {statement.top}.py beside {found.script.name}, or correct the name"
         )
+
+
+def _warnings(script: Path, found: import_graph.Trace) -> Iterator[str]:
+    """Yield what the uploaded files lack to run on the testbed, which has generation 2."""
+    if testbed.SIMULATOR not in found.libraries:
+        yield f"{script.name} never imports {testbed.SIMULATOR}: no robot would move"
+    theirs = [local.path for local in found.locals if not import_graph.is_ours(local.name)]
+    for path in [script, *theirs]:
+        told = set()
+        for line, name, right in wrong_names(import_graph.parse(path), 2):
+            if name not in told:
+                told.add(name)
+                yield (
+                    f"{path.name}, line {line}: {name} is a name of generation 1, and the testbed"
+                    " runs generation 2: "
+                    + (f"write {right}" if right else "there is no such thing")
+                )
 
 
 def _flat_modules(script: Path, found: import_graph.Trace) -> dict[str, bytes]:
@@ -350,8 +373,10 @@ def _instructions(ready: Bundle) -> str:
         f"# Submitting {ready.main}",
         "",
         f"Upload every file of this folder except `{INSTRUCTIONS}` and `{MANIFEST}`:"
-        f" {len(ready.files)} files, {size} KiB. Do not upload the simulator.",
+        f" {count(len(ready.files), 'file')}, {size} KiB. Do not upload the simulator.",
         "",
+        *(f"- **Mind** {warning}" for warning in ready.warnings),
+        *([""] if ready.warnings else []),
         "| field | enter |",
         "|---|---|",
         f"| Main file | `{ready.main}` |",

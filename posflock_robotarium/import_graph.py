@@ -132,6 +132,11 @@ class Trace:
     left_out: dict[str, str] = field(default_factory=dict)
 
 
+def is_ours(module: str) -> bool:
+    """Return whether a module belongs to this project rather than to the user."""
+    return module.partition(".")[0] in _OURS
+
+
 def read_source(path: Path) -> str:
     """Return a Python file's text, decoded as Python would.
 

@@ -3,6 +3,7 @@
 import ast
 import hashlib
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -157,6 +158,31 @@ def test_what_cannot_be_laid_flat_is_refused_with_the_way_out(tmp_path, files, r
     with pytest.raises(BundleError, match=reason):
         bundle(home / "main_script.py", tmp_path / "up")
     assert not (tmp_path / "up").exists()
+
+
+ZOO = Path(__file__).parent / "zoo"
+
+
+@pytest.mark.parametrize(
+    ("script", "warning"),
+    [
+        ("faulty/generation_one_ending.py", r"line 10: call_at_scripts_end .* write debug\(\)"),
+        ("faulty/generation_one_utility.py", "line 6: create_single_integrator_barrier"),
+        ("sound/two_robots_forward.py", None),
+        (EXPERIMENT, None),
+    ],
+)
+def test_a_script_of_the_other_generation_is_warned_of(tmp_path, script, warning):
+    ready = bundle(ZOO / script, tmp_path / "up")
+    assert [bool(re.search(warning, text)) for text in ready.warnings] == [True] * bool(warning)
+    assert all(text in (tmp_path / "up" / INSTRUCTIONS).read_text() for text in ready.warnings)
+
+
+@pytest.mark.parametrize("text", ["", '"""Nothing yet."""\n', "import numpy\nprint(numpy.pi)\n"])
+def test_a_script_that_drives_no_robot_is_warned_of(tmp_path, text):
+    ready = bundle(write(tmp_path / "home", "main_script.py", text), tmp_path / "up")
+    assert len(ready.warnings) == 1
+    assert "no robot" in ready.warnings[0]
 
 
 def test_folders_without_init_are_packages_too(tmp_path):

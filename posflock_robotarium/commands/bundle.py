@@ -28,13 +28,15 @@ def bundle(
 ) -> None:
     """Lay a script and all it imports flat, ready to be uploaded.
 
-    Exit code 0, or 2 with the reason and the way out where it cannot be laid flat.
+    What will stop it on the testbed all the same, such as names of generation 1 of the API, is a
+    warning. Exit code 0, or 2 with the reason and the way out where it cannot be laid flat.
 
         posflock bundle experiments/robotarium_9bot.py -o upload
 
         posflock bundle main.py -o upload --data goals.npy --no-run
     """
     from posflock_robotarium.bundle import bundle as lay_flat
+    from posflock_robotarium.verify.findings import count
     from posflock_robotarium.verify.trials import robots_and_seconds
 
     robots, seconds = robots_and_seconds(script) if run else (None, None)
@@ -56,10 +58,17 @@ def bundle(
             "left_out": ready.left_out,
             "robots": ready.robots,
             "duration": ready.duration,
+            "warnings": list(ready.warnings),
         }
         typer.echo(json.dumps(said, indent=1))
         return
-    typer.echo(f"{len(ready.files)} files, {ready.size / 1024:.0f} KiB in {ready.folder}")
+    size = max(1, round(ready.size / 1024))
+    typer.echo(f"{count(len(ready.files), 'file')}, {size} KiB in {ready.folder}")
+    if ready.left_out:
+        names = (f"{name} ({library})" for name, library in sorted(ready.left_out.items()))
+        typer.echo(f"left out, for libraries that the testbed has not: {', '.join(names)}")
+    for warning in ready.warnings:
+        typer.echo(f"warning: {warning}", err=True)
     typer.echo(f"main file {ready.main}; what to enter is in {ready.folder / 'SUBMIT.md'}")
 
 
@@ -95,6 +104,7 @@ def rehearse(
         posflock rehearse upload -o back --duration 320
     """
     from posflock_robotarium.rehearse import rehearse as run
+    from posflock_robotarium.verify.findings import count
 
     done = run(
         folder,
@@ -122,7 +132,7 @@ def rehearse(
         environment = done.environment
         versions = ", ".join(f"{name} {v}" for name, v in environment.libraries.items())
         why = f": {done.reason}" if done.reason else ""
-        typer.echo(f"{done.ended} after {done.seconds:.1f} s, {done.steps} steps{why}")
+        typer.echo(f"{done.ended} after {done.seconds:.1f} s, {count(done.steps, 'step')}{why}")
         typer.echo(f"environment: Python {environment.version}, {versions}; {done.network}")
         if environment.note:
             typer.echo(f"note: {environment.note}")

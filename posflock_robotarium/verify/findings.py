@@ -150,6 +150,17 @@ class Finding:
         }
 
 
+def count(number: int, thing: str) -> str:
+    """Return how many of something there are, in words.
+
+    Examples
+    --------
+    >>> count(1, "file"), count(2, "file")
+    ('1 file', '2 files')
+    """
+    return f"{number} {thing}" + "s" * (number != 1)
+
+
 def verdict_of(findings: Iterable[Finding]) -> Verdict:
     """Return the worst of `findings`, PASS where nothing is worse than a note."""
     return max([Verdict.PASS, *(finding.verdict for finding in findings)])
