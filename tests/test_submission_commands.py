@@ -35,6 +35,27 @@ def test_exit_codes_say_the_verdict(script, code, verdict, tmp_path):
     assert {path.name for path in (tmp_path / "out").iterdir()} == {"verify.json", "verify.html"}
 
 
+@pytest.mark.parametrize(
+    ("declared", "words"),
+    [
+        (0, "declare 200 s"),
+        (300, "declare 200 s; you will declare 300 s, which is enough"),
+        (150, "declare 200 s; you will declare 150 s, which may be too short"),
+    ],
+)
+def test_the_duration_to_declare_is_said_in_whole_sentences(declared, words):
+    script = ZOO / "sound/two_robots_forward.py"
+    said = run("verify", script, "-n", 1, "-d", declared).stdout
+    assert " ".join(said.split()).count("1 trial under") == 1
+    (line,) = [line for line in said.splitlines() if line.strip().startswith("duration ")]
+    assert line.endswith(f"(median 91): {words}")
+
+
+def test_a_script_that_cannot_be_read_is_an_error_and_no_verdict():
+    done = run("verify", "none.py", "--json")
+    assert (done.exit_code != 0, done.stdout) == (True, "")
+
+
 def test_json_is_all_that_is_printed():
     done = run("verify", ZOO / "faulty/missing_module.py", "--json")
     assert json.loads(done.stdout)["verdict"] == "FAIL"
@@ -58,6 +79,16 @@ def test_a_bundle_says_what_to_enter(tmp_path):
     said = json.loads(done.stdout)
     assert set(said["files"]) == {"local_helper.py", "zoo_helper.py"}
     assert (said["robots"], said["duration"]) == (2, 200.0)
+    assert said["warnings"] == []
+
+
+def test_one_file_is_one_file_and_warnings_are_told(tmp_path):
+    (tmp_path / "empty.py").write_text("")
+    done = run("bundle", tmp_path / "empty.py", "-o", tmp_path / "up")
+    assert done.stdout.startswith("1 file, ")
+    assert done.stderr == "warning: empty.py never imports rps: no robot would move\n"
+    assert done.exit_code == 0
+    assert "1 file, " in (tmp_path / "up" / "SUBMIT.md").read_text()
 
 
 def test_a_log_becomes_a_profile_and_is_overlaid_with_it(tmp_path):

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from posflock_robotarium import testbed
-from posflock_robotarium.verify.findings import Finding, Verdict, wilson_interval
+from posflock_robotarium.verify.findings import Finding, Verdict, count, wilson_interval
 from posflock_robotarium.verify.trial import Outcome
 from posflock_robotarium.verify.trials import Ran
 
@@ -199,7 +199,7 @@ def _boundary(ideal: Outcome, trials: Sequence[Outcome]) -> Iterator[Finding]:
         yield Finding(
             "boundary",
             Verdict.FAIL if many else Verdict.RISK,
-            f"{ideal.outside_steps} steps begin with a robot outside the arena",
+            f"robots are outside the arena at the start of {count(ideal.outside_steps, 'step')}",
             advice,
             time=first["time"],
             robots=first["robots"],
@@ -223,7 +223,7 @@ def _proportion(
     yield Finding(
         code,
         Verdict.FAIL if low >= 0.2 else Verdict.RISK,
-        f"{words} in {len(hit)} of {len(ran)} trials with imperfections"
+        f"{words} in {len(hit)} of {count(len(ran), 'trial')} with imperfections"
         f" ({100 * low:.0f} to {100 * high:.0f} % of runs), though not in the ideal simulator;"
         f" first in the trial with seed {outcome.seed}",
         advice,
@@ -245,8 +245,8 @@ def _actuator(ideal: Outcome) -> Iterator[Finding]:
     yield Finding(
         "actuator",
         Verdict.RISK if many else Verdict.NOTE,
-        f"{ideal.actuator_steps} steps ask a wheel for more than {limit} rad/s, up to"
-        f" {ideal.largest_wheel:.1f}: the motors cut that, and robots drive another curve",
+        f"asks a wheel for more than {limit} rad/s in {count(ideal.actuator_steps, 'step')}, up"
+        f" to {ideal.largest_wheel:.1f}: the motors cut that, and robots drive another curve",
         "scale commands down before set_velocities: 0.2 m/s straight is the limit, less in a turn",
         time=first["time"],
         robots=first["robots"],

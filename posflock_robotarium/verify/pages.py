@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from posflock_robotarium.errors import OutputError
-from posflock_robotarium.verify.findings import CODES
+from posflock_robotarium.verify.findings import CODES, count
 from posflock_robotarium.verify.terminal import figure_lines
 
 if TYPE_CHECKING:
@@ -52,6 +52,7 @@ def html(report: Report) -> str:
         report=report,
         findings=[(finding, CODES[finding.code]) for finding in report.findings],
         figures=figure_lines(report),
+        trials=count(len(report.trials), "trial"),
         strip=_strip(report),
     )
 

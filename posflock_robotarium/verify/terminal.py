@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from posflock_robotarium.verify.findings import Verdict
+from posflock_robotarium.verify.findings import Verdict, count
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -23,7 +23,7 @@ def print_report(report: Report, console: Console) -> None:
     colour = _COLOURS[report.verdict]
     console.print(
         f"[bold {colour}]{report.verdict.name}[/]  {escape(report.script.name)}"
-        f"  [dim]generation {report.generation}, {len(report.trials)} trials under"
+        f"  [dim]generation {report.generation}, {count(len(report.trials), 'trial')} under"
         f" {escape(report.profile)}[/]"
     )
     for name, words in figure_lines(report):
@@ -58,7 +58,7 @@ def figure_lines(report: Report) -> list[tuple[str, str]]:
             f"{found['run_seconds']:.0f} s, after a drive to the initial conditions of"
             f" {drive['least']:.0f} to {drive['most']:.0f} s (median {drive['median']:.0f}):"
             f" declare {found['recommended_duration']:.0f} s"
-            + (f"; {report.declared:.0f} s will be" if report.declared else ""),
+            + _declared(report.declared, found["run_seconds"] + drive["most"]),
         )
     ]
     if loop:
@@ -86,11 +86,19 @@ def figure_lines(report: Report) -> list[tuple[str, str]]:
             lines.append(
                 (
                     name,
-                    f"in {runs['hits']} of {runs['trials']} trials"
+                    f"in {runs['hits']} of {count(runs['trials'], 'trial')}"
                     f" (95 % interval {100 * low:.0f} to {100 * high:.0f} % of runs)",
                 )
             )
     return lines
+
+
+def _declared(declared: float | None, longest: float) -> str:
+    """Return whether what will be declared is enough, where that is known."""
+    if not declared:
+        return ""
+    verdict = "is enough" if longest <= declared else "may be too short"
+    return f"; you will declare {declared:.0f} s, which {verdict}"
 
 
 def print_ablation(rows: Sequence[Ablation], console: Console) -> None:
