@@ -552,7 +552,45 @@ def _estimate(value: float, spread: float, least: float = -math.inf) -> Estimate
     )
 
 
-# --- Simulating with what was fitted -----------------------------------------------------------
+# --- Reading a log, and simulating with what was fitted ------------------------------------------
+
+
+def read_commanded(path: Path | str) -> Log:
+    """Read a log that has commands from any file that the report reads.
+
+    Parameters
+    ----------
+    path : path
+        A pose log, with or without ``.npy``, or an archive with poses, times and commands.
+
+    Raises
+    ------
+    LogError
+        Where the file is missing, damaged, ambiguous or holds no commands.
+    """
+    from posflock_robotarium.report.readers import LayoutError, read
+
+    try:
+        run = read(path)
+    except LayoutError as error:
+        raise LogError(
+            f"{error}; `posflock convert --to npz` with that option writes a file that says so"
+        ) from error
+    rows = len(run.t)
+    if run.command is None:
+        raise LogError(
+            f"{path}: no commands in it; a calibration compares what robots did with what they"
+            " were told, which a pose log holds"
+        )
+    return Log(
+        t=run.t,
+        poses=run.poses,
+        commands=run.command,
+        status=np.full(rows, "none") if run.status is None else run.status,
+        moved=np.zeros(rows) if run.moved is None else run.moved,
+        smallest_h=np.full(rows, math.nan) if run.smallest_h is None else run.smallest_h,
+        metadata=dict(run.parameters),
+    )
 
 
 def resimulate(log: Log, profile: Profile, seed: int = 0) -> Log:

@@ -1,6 +1,5 @@
 """Known imperfections are found again, with intervals that hold them."""
 
-
 import numpy as np
 import pytest
 

@@ -3,13 +3,14 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from benchmarks.calibration import simulated_testbed
 from posflock_robotarium.calibrate import write_log
 from posflock_robotarium.cli import app
-from posflock_robotarium.errors import PosflockError
+from posflock_robotarium.errors import LogError, PosflockError
 from rps_compat.errors import RobotariumError
 from rps_compat.profiles import load_profile
 
@@ -103,6 +104,38 @@ def test_a_log_becomes_a_profile_and_is_overlaid_with_it(tmp_path):
     compared = run("compare", path, "--resimulate", tmp_path / "lab.toml", "--json")
     assert compared.exit_code == 0
     assert "returned_resimulated" in compared.stdout
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "answer"),
+    [
+        ("none.npz", None, "none.npz: no such file"),
+        ("poses", "folder", "poses: a folder; name the log file in it"),
+        ("noise.npy", b"\x00\x07noise" * 50, "not a .npy file, or its beginning is damaged"),
+        ("empty.npy", b"", "empty file"),
+        ("poses.csv", b"t,x1,y1,theta1\n0,0,0,0\n0.033,0,0,0\n", "no commands in it"),
+        ("text.csv", b"1,2,3\n1,2,3\n", "posflock convert --to npz"),
+    ],
+)
+def test_what_is_no_log_is_answered_as_the_report_does(tmp_path, name, content, answer):
+    path = tmp_path / name
+    if content == "folder":
+        path.mkdir()
+    elif content is not None:
+        path.write_bytes(content)
+    done = run("calibrate", path, "-o", tmp_path / "lab.toml")
+    assert isinstance(done.exception, LogError)
+    assert answer in str(done.exception)
+    assert "pickle" not in str(done.exception)
+    assert not (tmp_path / "lab.toml").exists()
+
+
+def test_an_archive_with_commands_can_be_calibrated(tmp_path):
+    log, truth = simulated_testbed(1, robots=2, rows=400)
+    np.savez(tmp_path / "run.npz", t=log.t, poses=log.poses, commands=log.commands)
+    done = run("calibrate", tmp_path / "run.npz", "-o", tmp_path / "lab.toml", "--json")
+    found = json.loads(done.stdout)["dead_time"]["value"]
+    assert found == pytest.approx(truth["dead time"][0], abs=0.033)
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,10 @@ import typer
 
 def calibrate(
     log: Annotated[
-        Path, typer.Argument(help="A pose log with commands, NAME.npy.", show_default=False)
+        Path,
+        typer.Argument(
+            help="A pose log, or another file with poses, times and commands.", show_default=False
+        ),
     ],
     out: Annotated[Path, typer.Option("--out", "-o", help="The realism profile to write.")] = Path(
         "calibrated.toml"
@@ -34,11 +37,10 @@ def calibrate(
     posflock compare back/nine_robots.npy again.npy
     """
     from posflock_robotarium.calibrate import calibrate as fit
+    from posflock_robotarium.calibrate import read_commanded, write_log, write_profile
     from posflock_robotarium.calibrate import resimulate as simulate
-    from posflock_robotarium.calibrate import write_log, write_profile
-    from posflock_robotarium.poselog import read_log
 
-    read = read_log(log)
+    read = read_commanded(log)
     found = fit(read)
     profile = found.profile(name, pooled=pooled)
     write_profile(profile, out)

@@ -103,14 +103,13 @@ def _resimulated(runs: list[Path], profile: str | None) -> "Iterator[list[Path]]
         return
     import tempfile
 
-    from posflock_robotarium.calibrate import calibrate, resimulate, write_log
-    from posflock_robotarium.poselog import read_log
+    from posflock_robotarium.calibrate import calibrate, read_commanded, resimulate, write_log
     from rps_compat.profiles import load_profile
 
     with tempfile.TemporaryDirectory(prefix="posflock-compare-") as folder:
         again = []
         for number, run in enumerate(runs):
-            log = read_log(run)
+            log = read_commanded(run)
             fitted = profile == "calibrated"
             chosen = calibrate(log).profile() if fitted else load_profile(profile)
             place = Path(folder) / str(number)
