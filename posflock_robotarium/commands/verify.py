@@ -43,7 +43,8 @@ def verify(
 ) -> None:
     """Predict whether the testbed takes a script, runs it to its end, and returns its data.
 
-    Exit code 0 is PASS, 1 is RISK, 2 is FAIL (or an error before there was a verdict).
+    Exit code 0 is PASS, 1 is RISK, 2 is FAIL. 2 is also an error before there was a verdict, such
+    as no such script: then one line on standard error and nothing on standard output.
 
         posflock verify experiments/robotarium_9bot.py
 
