@@ -84,7 +84,10 @@ def test_a_crash_comes_back_with_its_traceback(tmp_path):
     [
         (SCRIPT + "sys.exit('no goals left')\n", r"exit code 'no goals left'"),
         (SCRIPT + "raise ValueError\n", r"main\.py, line 17: ValueError$"),
-        (SCRIPT + "import json\njson.loads('')\n", r"main\.py, line 18: json\.decoder\.JSONDecodeError: Exp"),
+        (
+            SCRIPT + "import json\njson.loads('')\n",
+            r"main\.py, line 18: json\.decoder\.JSONDecodeError: Exp",
+        ),
         (SCRIPT, "$"),
     ],
 )
@@ -97,7 +100,9 @@ def test_a_module_that_crashes_is_named_with_the_main_files_line(tmp_path):
     (tmp_path / "helper.py").write_text("def halve(x):\n    return x / 0\n")
     up = laid(tmp_path, SCRIPT + "import helper\nhelper.halve(1)\n")
     done = rehearse(up, tmp_path / "back", environment=HERE)
-    assert done.reason == "main.py, line 18 (helper.py, line 2): ZeroDivisionError: division by zero"
+    assert (
+        done.reason == "main.py, line 18 (helper.py, line 2): ZeroDivisionError: division by zero"
+    )
 
 
 def test_a_module_that_the_testbeds_python_cannot_read_is_named(tmp_path):

@@ -138,9 +138,9 @@ def rehearse(
             typer.echo(f"note: {environment.note}")
         for name, found in done.files.items():
             typer.echo(f"  {name}: {found}")
-        for name, count in done.faults.items():
-            if count:
-                typer.echo(f"  {name.replace('_', ' ')}: {count}")
+        for name, number in done.faults.items():
+            if number:
+                typer.echo(f"  {name.replace('_', ' ')}: {number}")
         if page is not None:
             typer.echo(f"report: {page}")
         typer.echo(f"what came back is in {done.folder}, with log.txt")
