@@ -132,6 +132,9 @@ def lint(
         for finding in findings:
             left = "" if finding.edits or finding.kind == "default" or not to else "  [by hand]"
             typer.echo(f"{script}:{finding.line}: {finding.message}{left}", err=bool(to))
+        if not findings:
+            clean = "nothing to change for generation 2, numpy 2.2 and Python 3.10"
+            typer.echo(f"{script}: {clean}", err=bool(to))
     if to:
         new = rewritten(source, findings)
         if out is None:
