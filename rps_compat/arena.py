@@ -24,7 +24,7 @@ step, whatever the script does.
 
 from dataclasses import dataclass
 from math import isfinite
-from typing import Protocol
+from typing import Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,6 +85,18 @@ class Realism(Protocol):
         """Poses (3, N) as the tracking system reports true `poses` (3, N), which stay unchanged."""
 
 
+class HearsSilence(Protocol):
+    """A realism that cares when commands stop, as robots do that brake after half a second.
+
+    Attributes
+    ----------
+    commanded
+        Set by the arena before each step: whether there was a command since the last one.
+    """
+
+    commanded: bool
+
+
 class Recorder(Protocol):
     """What is told of every step of every arena; the pose log is one."""
 
@@ -118,6 +130,9 @@ class Arena:
     commands : ndarray (2, N)
         Velocities commanded; after a step those that the wheels admit, as the testbed holds them
         until the next command.
+    commanded : bool
+        Whether somebody has commanded since the last step: another array in `commands` is a
+        command, and whoever writes into that array sets this.
     velocities : ndarray (2, N)
         Velocities really driven in the last step.
     wheel_velocities : ndarray (2, N)
@@ -141,8 +156,11 @@ class Arena:
         robots = self.poses.shape[1]
         self.robot = robot
         self.realism = realism
+        self._listener = cast(HearsSilence, realism) if hasattr(realism, "commanded") else None
         self.recorder = recorder
         self.commands: Array = np.zeros((2, robots))
+        self.commanded = False
+        self._held = self.commands
         self.velocities: Array = self.commands
         self.wheel_velocities: Array = self.commands
         self.steps = 0
@@ -158,6 +176,11 @@ class Arena:
     def number_of_robots(self) -> int:
         """How many robots stand in the arena."""
         return int(self.poses.shape[1])
+
+    @property
+    def is_commanded(self) -> bool:
+        """Whether there was a command since the last step."""
+        return self.commanded or self.commands is not self._held
 
     def observe(self) -> Array:
         """Poses (3, N) as the tracking system reports them; without realism the live true poses."""
@@ -231,8 +254,12 @@ class Arena:
         if self.recorder is not None:
             self.recorder.append(self.time, self.observe(), self._for_all(commands))
         admitted = self.unicycle(wheels)
-        self.commands = driven = admitted
+        fresh = self.is_commanded
+        self.commands = self._held = driven = admitted
+        self.commanded = False
         if self.realism is not None:
+            if self._listener is not None:
+                self._listener.commanded = fresh
             driven = self.realism.actuate(self._for_all(admitted), poses, self.time)
             wheels = self.wheels(driven)
         self.wheel_velocities = wheels
