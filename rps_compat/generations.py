@@ -117,10 +117,42 @@ class Evidence:
         return bool(self.first) != bool(self.second)
 
 
+def _name_of(node: ast.expr) -> str:
+    """Last part of a dotted name, "" of any other expression."""
+    return str(getattr(node, "id", getattr(node, "attr", "")))
+
+
 @dataclass
 class _Collector(ast.NodeVisitor):
     first: list[tuple[int, str]] = field(default_factory=list)
     second: list[tuple[int, str]] = field(default_factory=list)
+    # Names that make a Robotarium when called: the class, and subclasses with its constructor.
+    makers: set[str] = field(default_factory=lambda: {"Robotarium"})
+    kinds: set[str] = field(default_factory=lambda: {"Robotarium"})
+    classes: list[bool] = field(default_factory=list)  # around here: is it a Robotarium?
+
+    def visit_ClassDef(self, node: ast.ClassDef) -> None:
+        is_one = any(_name_of(base) in self.kinds for base in node.bases)
+        if is_one:
+            self.kinds.add(node.name)
+            own = (isinstance(part, ast.FunctionDef) and part.name for part in node.body)
+            if "__init__" not in own:
+                self.makers.add(node.name)
+        self.classes.append(is_one)
+        self.generic_visit(node)
+        self.classes.pop()
+
+    def _constructor_arguments(self, node: ast.Call) -> list[ast.expr] | None:
+        """Positional arguments of the call of Robotarium's constructor; None of another call."""
+        name = _name_of(node.func)
+        if name in self.makers:
+            return node.args
+        if name != "__init__" or not isinstance(node.func, ast.Attribute):
+            return None
+        owner = node.func.value
+        if isinstance(owner, ast.Call) and _name_of(owner.func) == "super":
+            return node.args if self.classes and self.classes[-1] else None
+        return node.args[1:] if _name_of(owner) in self.kinds else None  # Robotarium.__init__(self)
 
     def _name(self, line: int, name: str) -> None:
         if name in FUNCTIONS:
@@ -149,14 +181,19 @@ class _Collector(ast.NodeVisitor):
                 self._name(node.lineno, alias.name)
 
     def visit_Call(self, node: ast.Call) -> None:
-        name = getattr(node.func, "id", getattr(node.func, "attr", ""))
-        if name == "Robotarium":
-            if node.args:  # generation 2 takes keywords only
+        positional = self._constructor_arguments(node)
+        if positional is not None:
+            # Generation 2 takes keywords only; what `*args` holds is unknown.
+            if any(not isinstance(argument, ast.Starred) for argument in positional):
                 self.first.append((node.lineno, "Robotarium(positional arguments)"))
             for keyword in node.keywords:
                 if keyword.arg in NEW_ARGUMENTS:
                     self.second.append((node.lineno, f"{keyword.arg}="))
-        if name == "debug" and not node.args and isinstance(node.func, ast.Attribute):
+        if (
+            _name_of(node.func) == "debug"
+            and not node.args
+            and isinstance(node.func, ast.Attribute)
+        ):
             self.second.append((node.lineno, "debug"))
         self.generic_visit(node)
 

@@ -19,7 +19,7 @@ from rps_compat.lazy import LazyModule
 from rps_compat.pace import pace_of
 from rps_compat.report import MESSAGES
 from rps_compat.v1.drawing import GritsbotPatches
-from rps_compat.wrong_generation import refuse
+from rps_compat.wrong_generation import refuse, refuse_new_arguments
 
 plt = LazyModule("matplotlib.pyplot")
 patches = LazyModule("matplotlib.patches")
@@ -52,6 +52,7 @@ class RobotariumABC(ABC):
         What is wrong with the arguments, and what was expected. Both are AssertionErrors.
     """
 
+    @refuse_new_arguments
     def __init__(
         self,
         number_of_robots: int = -1,
