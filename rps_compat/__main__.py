@@ -72,6 +72,7 @@ def main(words: Sequence[str] | None = None) -> int:
         snapshots=snapshot_times(asked.snapshot),
         video=asked.video,
         recorder=offered_recorder(),
+        tell=lambda note: print(f"note: {note}", file=sys.stderr, flush=True),
     )
     # With --json the report alone is on stdout, for programs; the script talks on stderr.
     with contextlib.redirect_stdout(sys.stderr) if asked.json else contextlib.nullcontext():

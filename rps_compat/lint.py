@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from rps_compat.errors import RobotariumError
-from rps_compat.generations import ATTRIBUTES, FUNCTIONS, evidence_of
+from rps_compat.generations import ATTRIBUTES, FUNCTIONS, evidence_of, instances_in
 from rps_compat.versions import version_findings
 
 UTILITIES = ("barrier_certificates", "controllers", "graph", "misc", "transformations")
@@ -181,7 +181,7 @@ class _Names:
 
     def __init__(self, tree: ast.Module, text: _Text) -> None:
         self._tree, self._text = tree, text
-        self._instances = set(_instances(tree))
+        self._instances = instances_in(tree)
         # In a script of generation 2 the functions that both have mean generation 2's defaults.
         self._second = evidence_of([tree]).generation == 2
         self._aliases = {
@@ -370,20 +370,6 @@ def _by_position(old: dict[str, Any], fresh: dict[str, Any]) -> dict[str, str]:
         for (argument, default), target in zip(old.items(), fresh, strict=False)
         if default is inspect.Parameter.empty and argument not in fresh and target not in old
     }
-
-
-def _instances(tree: ast.Module) -> Iterator[str]:
-    """Expressions that hold a Robotarium, as source: ``r``, ``self.r``, ``self`` of a subclass."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Assign | ast.AnnAssign) and isinstance(node.value, ast.Call):
-            name = getattr(node.value.func, "id", getattr(node.value.func, "attr", ""))
-            if name == "Robotarium":
-                targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-                yield from (ast.unparse(target) for target in targets)
-        elif isinstance(node, ast.ClassDef) and any(
-            getattr(base, "id", getattr(base, "attr", "")) == "Robotarium" for base in node.bases
-        ):
-            yield "self"
 
 
 def _calls_super(node: ast.Call) -> bool:

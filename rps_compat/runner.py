@@ -30,7 +30,7 @@ from rps_compat.arena import Arena, Array, Realism
 from rps_compat.clock import SimulatedClock
 from rps_compat.errors import RobotariumError
 from rps_compat.film import Film
-from rps_compat.generations import evidence_in
+from rps_compat.generations import Evidence, evidence_in
 from rps_compat.install import Api, install, installed, uninstall
 from rps_compat.old_numpy import old_numpy_names
 from rps_compat.report import RunReport, report_on
@@ -39,6 +39,8 @@ from rps_compat.session import Initial, Session
 Ended = Literal["finished", "failed", "interrupted", "timeout"]
 #: Exit codes of a run that the script does not end itself, as shells have them.
 EXIT_CODES: dict[Ended, int] = {"finished": 0, "failed": 1, "interrupted": 130, "timeout": 124}
+#: Names of the other generation beyond this many are counted only.
+TOLD = 5
 
 
 class ScriptError(RobotariumError, OSError):
@@ -92,6 +94,8 @@ class RunSettings:
         File to film to, .mp4 or .gif; a relative name lies in `out`.
     recorder
         Opens the log of one instance; None writes no log.
+    tell
+        Is told, before the script starts, each note on the generation that it runs on.
     """
 
     api: Api | None = None
@@ -105,6 +109,7 @@ class RunSettings:
     snapshots: Sequence[float] = ()
     video: Path | None = None
     recorder: OpenRecorder | None = None
+    tell: Callable[[str], None] | None = None
 
 
 @dataclass(frozen=True)
@@ -127,6 +132,8 @@ class RunResult:
         One for each Robotarium instance, in the order of their making.
     files
         What the run left in its folder.
+    notes
+        What is no fault of the run, and yet to be known before the testbed.
     """
 
     script: Path
@@ -136,6 +143,7 @@ class RunResult:
     exit_code: int
     reports: tuple[RunReport, ...]
     files: tuple[Path, ...]
+    notes: tuple[str, ...] = ()
 
     @property
     def clean(self) -> bool:
@@ -151,6 +159,7 @@ class RunResult:
             "reason": self.reason,
             "exit_code": self.exit_code,
             "clean": self.clean,
+            "notes": list(self.notes),
             "reports": [report.as_dict() for report in self.reports],
             "files": [str(path) for path in self.files],
         }
@@ -179,12 +188,31 @@ def run_script(
     settings = settings or RunSettings()
     script = Path(script).resolve()
     try:
-        api = settings.api or evidence_in(script).generation
+        evidence = evidence_in(script)
     except OSError as error:
         raise ScriptError(f"{script}: {error.strerror or error}") from error
     except (SyntaxError, ValueError) as error:
         raise ScriptError(f"{script} is not a Python script: {error}") from error
-    return _Run(script, list(arguments), api, settings).result()
+    api = settings.api or evidence.generation
+    notes = _generation_notes(evidence, api, settings.api is None)
+    if settings.tell is not None:
+        for note in notes:
+            settings.tell(note)
+    return _Run(script, list(arguments), api, settings, notes).result()
+
+
+def _generation_notes(evidence: Evidence, api: Api, found: bool) -> list[str]:
+    """Note what of the script `api` does not know, and whether `api` was but assumed."""
+    wrong = evidence.against(api)
+    notes = wrong[:TOLD]
+    if len(wrong) > TOLD:
+        notes.append(f"and {len(wrong) - TOLD} more names of generation {3 - api}")
+    if found and evidence.nothing:
+        notes.append(
+            f"nothing in the script tells its generation: running as generation {api}; "
+            f"--api {3 - api} runs it as generation {3 - api}"
+        )
+    return notes
 
 
 class _Watch:
@@ -212,6 +240,7 @@ class _Run:
     arguments: list[str]
     api: Api
     settings: RunSettings
+    notes: list[str]
     clock: SimulatedClock = field(default_factory=SimulatedClock)
     watches: list[_Watch] = field(default_factory=list)
     logs: list[Path] = field(default_factory=list)
@@ -316,17 +345,22 @@ class _Run:
             assert watch.log is not None
             watch.log.close("interrupted" if ended == "timeout" else ended, reason)
             files += sorted(path.parent.glob(f"{path.name}.*"))
-        if self.out is not None:
-            text = self.out / "report.txt"
+        texts = () if self.out is None else (self.out / "report.txt", self.out / "report.json")
+        result = RunResult(
+            self.script,
+            self.api,
+            ended,
+            reason,
+            exit_code,
+            reports,
+            (*files, *texts),
+            tuple(self.notes),
+        )
+        if texts:
+            text, data = texts
             text.write_text("\n".join(report.text(self.api) for report in reports), "utf-8")
-            data = self.out / "report.json"
-            files += [text, data]
-            result = RunResult(
-                self.script, self.api, ended, reason, exit_code, reports, tuple(files)
-            )
             data.write_text(json.dumps(result.as_dict(), indent=1) + "\n", "utf-8")
-            return result
-        return RunResult(self.script, self.api, ended, reason, exit_code, reports, tuple(files))
+        return result
 
 
 def _exit_of(left: SystemExit) -> tuple[Ended, str, int]:
@@ -431,6 +465,7 @@ def summary(result: RunResult) -> str:
             f"{report.duration:.1f} s on the testbed, {report.verdict}"
         )
         lines += [f"  {fault}" for fault in report.faults[:5] if fault.kind != "actuator"]
+    lines += [f"note: {note}" for note in result.notes]
     if result.files:
         folders = sorted({str(path.parent) for path in result.files})
         names = ", ".join(path.name for path in result.files)

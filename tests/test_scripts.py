@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import subprocess
 import sys
 from pathlib import Path
 
@@ -52,6 +53,7 @@ FINISHING = {
     "generation2_sensors.py": (2, "(2, 3) (3, 3) (3, 3) (3, 3) (3,) (2, 7, 3)\nTrue"),
     "generation2_subsets.py": (2, "[0.08 0.08 0.08 0.08] 31"),
     "either_generation.py": (1, "time step 0.033"),
+    "tells_no_generation.py": (1, "there (3, 2)"),
 }
 
 
@@ -95,6 +97,46 @@ def test_wrong_name_gets_the_right_one(run):
     assert "generation 1 calls this call_at_scripts_end()" in result.reason
     assert "runner.py" not in err, "the traceback begins in the script"
     assert len(log.t) == 20
+
+
+def test_names_of_the_other_generation_are_told_before_the_run(tmp_path):
+    script = tmp_path / "s.py"
+    script.write_text(
+        "from rps.robotarium import Robotarium\n"
+        "r = Robotarium(number_of_robots=1, skip_initialization=True)\n"
+        "t = r.TIME_STEP\n"
+        "print('first step')\n"
+        "r.get_poses(); r.step()\n"
+        "r.call_at_scripts_end()\n"
+    )
+    note = "line 6: call_at_scripts_end is generation 1's; running as generation 2, which calls it"
+    done = subprocess.run(
+        [sys.executable, "-u", "-m", "posflock_robotarium", "run", "-o", tmp_path / "out", script],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 1
+    assert 0 <= done.stdout.find(f"{note} debug()") < done.stdout.find("first step")
+    data = json.loads((tmp_path / "out" / "report.json").read_text())
+    assert data["notes"] == [f"{note} debug()"]
+    told = []
+    run_script(script, (), RunSettings(headless=True, api=1, tell=told.append))
+    assert [note.split(":")[0] for note in told] == ["line 2", "line 3"]
+
+
+def test_a_generation_that_nothing_tells_is_said_to_be_assumed(run):
+    result, _, _, _ = run("either_generation.py")
+    assert result.notes == ()
+    result, _, _, _ = run("subclass_of_robotarium.py")
+    assert result.notes == ()
+    told = []
+    result, _, _, _ = run("tells_no_generation.py", tell=told.append)
+    assert "nothing in the script tells its generation: running as generation 1" in told[0]
+    assert told == list(result.notes)
+    result, _, _, _ = run("tells_no_generation.py", api=1)
+    assert result.notes == ()
 
 
 def test_command_that_is_no_number_stops_the_run(run):

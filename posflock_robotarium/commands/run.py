@@ -81,6 +81,7 @@ def run(
             snapshots=snapshot_times(snapshot),
             video=video,
             recorder=open_pose_log,
+            tell=lambda note: typer.echo(f"{script}: {note}", err=True),
         )
         # With --json the report alone is on stdout, for programs; the script talks on stderr.
         with contextlib.redirect_stdout(sys.stderr) if as_json else contextlib.nullcontext():
