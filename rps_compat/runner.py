@@ -47,6 +47,10 @@ class ScriptError(RobotariumError, OSError):
     """The script cannot be run at all: not found, not Python, a folder that cannot be written."""
 
 
+class SettingsError(RobotariumError, ValueError):
+    """A time limit, a snapshot's time or a seed outside its range."""
+
+
 class OutOfTime(BaseException):
     """The time limit of a run is over; not an Exception, so that scripts do not swallow it."""
 
@@ -96,6 +100,11 @@ class RunSettings:
         Opens the log of one instance; None writes no log.
     tell
         Is told, before the script starts, each note on the generation that it runs on.
+
+    Raises
+    ------
+    SettingsError
+        A time limit that is not positive, a snapshot before the start, or a negative seed.
     """
 
     api: Api | None = None
@@ -110,6 +119,19 @@ class RunSettings:
     video: Path | None = None
     recorder: OpenRecorder | None = None
     tell: Callable[[str], None] | None = None
+
+    def __post_init__(self) -> None:
+        if self.timeout is not None and not self.timeout > 0:
+            raise SettingsError(
+                f"timeout is {self.timeout:g} s, expected more than 0; leave it out for none"
+            )
+        for time in self.snapshots:
+            if not time >= 0:
+                raise SettingsError(
+                    f"snapshot at {time:g} s, expected 0 or more seconds of the run, or its end"
+                )
+        if self.seed is not None and self.seed < 0:
+            raise SettingsError(f"seed is {self.seed}, expected a whole number from 0")
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
+from posflock_robotarium.cli import app
+from posflock_robotarium.errors import ParameterError
 from posflock_robotarium.poselog import read_log
 from posflock_robotarium.recording import open_pose_log
-from rps_compat.runner import RunSettings, ScriptError, run_script, summary
+from rps_compat.runner import RunSettings, ScriptError, SettingsError, run_script, summary
 
 SCRIPTS = Path(__file__).parent / "scripts"
 
@@ -229,6 +232,41 @@ def test_process_is_left_as_it_was(run):
     assert (np.random.get_state()[1] == random_state).all()  # noqa: NPY002
     assert not hasattr(np, "mat")
     assert "rps" not in sys.modules
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"timeout": -1.0}, "timeout is -1 s, expected more than 0"),
+        ({"timeout": 0.0}, "timeout is 0 s, expected more than 0; leave it out for none"),
+        ({"timeout": float("nan")}, "timeout is nan s"),
+        ({"snapshots": (0.0, -5.0)}, "snapshot at -5 s, expected 0 or more seconds"),
+        ({"snapshots": (float("nan"),)}, "snapshot at nan s"),
+        ({"seed": -1}, "seed is -1, expected a whole number from 0"),
+    ],
+)
+def test_impossible_settings_are_refused(settings, message):
+    with pytest.raises(SettingsError, match=message):
+        RunSettings(**settings)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--timeout", "-1"], "timeout is -1 s"),
+        (["--timeout", "0"], "timeout is 0 s"),
+        (["--snapshot", "-5"], "snapshot at -5 s"),
+        (["--snapshot", "soon"], "expected seconds, e.g. 0,10,end"),
+        (["--seed", "-1"], "seed is -1"),
+    ],
+)
+def test_impossible_options_are_no_fault_of_the_script(tmp_path, options, message):
+    script, out = tmp_path / "s.py", tmp_path / "out"
+    script.write_text("print('never')")
+    result = CliRunner().invoke(app, ["run", *options, "-o", str(out), str(script)])
+    assert isinstance(result.exception, ParameterError)
+    assert message in str(result.exception)
+    assert not out.exists()
 
 
 def test_script_that_is_none(tmp_path):
