@@ -156,6 +156,8 @@ class RunResult:
         What the run left in its folder.
     notes
         What is no fault of the run, and yet to be known before the testbed.
+    folder
+        Where the run left its files; None if nowhere.
     """
 
     script: Path
@@ -166,6 +168,7 @@ class RunResult:
     reports: tuple[RunReport, ...]
     files: tuple[Path, ...]
     notes: tuple[str, ...] = ()
+    folder: Path | None = None
 
     @property
     def clean(self) -> bool:
@@ -173,7 +176,10 @@ class RunResult:
         return self.exit_code == 0 and all(report.clean for report in self.reports)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the result as plain data, ready for JSON."""
+        """Return the result as plain data, ready for JSON.
+
+        Files are told relative to the folder, so that equal runs into two folders are equal.
+        """
         return {
             "script": str(self.script),
             "api": self.api,
@@ -183,8 +189,18 @@ class RunResult:
             "clean": self.clean,
             "notes": list(self.notes),
             "reports": [report.as_dict() for report in self.reports],
-            "files": [str(path) for path in self.files],
+            "files": [self._relative(path) for path in self.files],
         }
+
+    def as_json(self) -> str:
+        """Return the result and its folder as JSON: for a program that started the run."""
+        folder = None if self.folder is None else str(self.folder)
+        return json.dumps({**self.as_dict(), "folder": folder}, indent=1)
+
+    def _relative(self, path: Path) -> str:
+        if self.folder is not None and path.is_relative_to(self.folder):
+            return path.relative_to(self.folder).as_posix()
+        return str(path)
 
 
 def has_display() -> bool:
@@ -376,13 +392,21 @@ class _Run:
             exit_code,
             reports,
             (*files, *texts),
-            tuple(self.notes),
+            (*self.notes, *_notes_on(reports)),
+            self.out,
         )
         if texts:
             text, data = texts
             text.write_text("\n".join(report.text(self.api) for report in reports), "utf-8")
             data.write_text(json.dumps(result.as_dict(), indent=1) + "\n", "utf-8")
         return result
+
+
+def _notes_on(reports: tuple[RunReport, ...]) -> tuple[str, ...]:
+    """Note what the testbed does not take, once each, and a run in which nothing ran."""
+    if not reports:
+        return ("no Robotarium was made: there is nothing to report on",)
+    return tuple(dict.fromkeys(note for report in reports for note in report.notes))
 
 
 def _exit_of(left: SystemExit) -> tuple[Ended, str, int]:
@@ -478,8 +502,6 @@ def summary(result: RunResult) -> str:
     lines = [f"{result.script.name}: generation {result.api}, {result.ended}"]
     if result.reason:
         lines[0] += f" ({result.reason})"
-    if not result.reports:
-        lines.append("no Robotarium was made")
     for number, report in enumerate(result.reports, start=1):
         which = f"Robotarium {number}: " if len(result.reports) > 1 else ""
         lines.append(

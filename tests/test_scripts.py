@@ -181,6 +181,68 @@ def test_report_is_left_as_text_and_data(run, tmp_path):
     assert (tmp_path / "out" / "poses-12.npy") in result.files
 
 
+def test_reports_of_equal_runs_are_equal(run, tmp_path):
+    run("plot_on_axes.py", snapshots=(0.0,))
+    first = (tmp_path / "out" / "report.json").read_bytes()
+    assert str(tmp_path / "out").encode() not in first
+    names = json.loads(first)["files"]
+    assert {"poses.npy", "report.json", "snapshot-0s.png"} <= set(names)
+    (tmp_path / "out").rename(tmp_path / "elsewhere")
+    script = tmp_path / "home" / "plot_on_axes.py"
+    settings = {"headless": True, "seed": 0, "snapshots": (0.0,), "recorder": open_pose_log}
+    run_script(script, (), RunSettings(out=tmp_path / "other", **settings))
+    assert (tmp_path / "other" / "report.json").read_bytes() == first
+
+
+LONG_TEAM = """
+import numpy as np
+from rps.robotarium import Robotarium
+
+x, y = np.meshgrid(np.linspace(-1.4, 1.4, 7), [-0.6, 0.0, 0.6])
+r = Robotarium(21, False, False, np.stack([x.ravel(), y.ravel(), 0 * x.ravel()]))
+r.time_step = 10.0
+for k in range({steps}):
+    r.get_poses()
+    r.step()
+"""
+
+
+def test_what_the_testbed_does_not_take_is_noted(tmp_path):
+    script = tmp_path / "s.py"
+    script.write_text(LONG_TEAM.format(steps=91))
+    result = run_script(script, (), RunSettings(headless=True, out=tmp_path / "out"))
+    assert result.exit_code == 0
+    assert result.clean, "a note is no failure"
+    assert result.notes == (
+        "21 robots: the testbed has 20",
+        "910.0 s: the testbed ends every run after 900 s",
+    )
+    assert "note: 21 robots: the testbed has 20" in summary(result)
+    data = json.loads((tmp_path / "out" / "report.json").read_text())
+    assert data["notes"] == list(result.notes)
+    script.write_text(LONG_TEAM.format(steps=90))
+    assert run_script(script, (), RunSettings(headless=True)).notes == result.notes[:1]
+
+
+def test_a_script_without_a_robotarium_is_noted(tmp_path):
+    script = tmp_path / "s.py"
+    script.write_text("print('hello')")
+    result = run_script(script, (), RunSettings(headless=True, api=2, out=tmp_path / "out"))
+    assert result.exit_code == 0
+    assert "no Robotarium was made" in result.notes[0]
+    assert summary(result).count("no Robotarium was made") == 1
+    data = json.loads((tmp_path / "out" / "report.json").read_text())
+    assert data["notes"] == list(result.notes)
+
+
+def test_limits_are_those_of_the_testbed():
+    from posflock_robotarium import testbed
+    from rps_compat import report
+
+    assert report.TESTBED_ROBOTS == testbed.MAX_ROBOTS
+    assert report.TESTBED_SECONDS == testbed.MAX_DURATION
+
+
 def test_pictures_show_what_the_script_drew(run, tmp_path):
     from matplotlib.image import imread
 

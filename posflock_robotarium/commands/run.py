@@ -59,7 +59,6 @@ def run(
         posflock run --seed 1 --timeout 60 --snapshot 0,end -o results formation.py --robots 7
     """
     import contextlib
-    import json
     import sys
 
     from posflock_robotarium.errors import ParameterError
@@ -88,7 +87,7 @@ def run(
             result = run_script(script, context.args, settings)
     except RobotariumError as error:
         raise ParameterError(str(error)) from error
-    typer.echo(json.dumps(result.as_dict(), indent=1) if as_json else summary(result))
+    typer.echo(result.as_json() if as_json else summary(result))
     raise typer.Exit(result.exit_code)
 
 
