@@ -188,7 +188,16 @@ def name_of(node: ast.expr) -> str:
     return str(getattr(node, "id", getattr(node, "attr", "")))
 
 
-class _Kinds:
+def _calls_super(node: ast.Call) -> bool:
+    owner = getattr(node.func, "value", None)
+    return (
+        name_of(node.func) == "__init__"
+        and isinstance(owner, ast.Call)
+        and name_of(owner.func) == "super"
+    )
+
+
+class Kinds:
     """Names in one module that are a Robotarium, make one, or hold one."""
 
     def __init__(self, tree: ast.Module) -> None:
@@ -212,14 +221,19 @@ class _Kinds:
                 targets = node.targets if isinstance(node, ast.Assign) else [node.target]
                 self.instances |= {ast.unparse(target) for target in targets}
 
+    def super_calls(self, tree: ast.Module) -> set[ast.Call]:
+        """Find the calls ``super().__init__(...)`` that are Robotarium's constructor."""
+        return {
+            call
+            for node in ast.walk(tree)
+            if isinstance(node, ast.ClassDef) and self.includes(node)
+            for call in ast.walk(node)
+            if isinstance(call, ast.Call) and _calls_super(call)
+        }
+
     def includes(self, node: ast.ClassDef) -> bool:
         """Whether the class is a Robotarium."""
         return any(name_of(base) in self.classes for base in node.bases)
-
-
-def instances_in(tree: ast.Module) -> set[str]:
-    """Expressions that hold a Robotarium, as source: ``r``, ``self.r``, ``self`` of a subclass."""
-    return _Kinds(tree).instances
 
 
 class _Collector(ast.NodeVisitor):
@@ -228,7 +242,7 @@ class _Collector(ast.NodeVisitor):
     def __init__(self, tree: ast.Module, module: str) -> None:
         self.first: list[Clue] = []
         self.second: list[Clue] = []
-        self._module, self._kinds = module, _Kinds(tree)
+        self._module, self._kinds = module, Kinds(tree)
         self._probed = _probed(tree)
         self._starred = False
         self._rps: set[str] = set()  # names of the API's modules
@@ -335,13 +349,12 @@ class _Collector(ast.NodeVisitor):
         name = name_of(node.func)
         if name in self._kinds.makers:
             return node.args
-        if name != "__init__" or not isinstance(node.func, ast.Attribute):
-            return None
-        owner = node.func.value
-        if isinstance(owner, ast.Call) and name_of(owner.func) == "super":
+        if _calls_super(node):
             return node.args if self._classes and self._classes[-1] else None
-        # Robotarium.__init__(self, ...)
-        return node.args[1:] if name_of(owner) in self._kinds.classes else None
+        owner = getattr(node.func, "value", None)
+        if name == "__init__" and owner is not None and name_of(owner) in self._kinds.classes:
+            return node.args[1:]  # Robotarium.__init__(self, ...)
+        return None
 
 
 def _parts(node: ast.expr) -> list[ast.expr]:

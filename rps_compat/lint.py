@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from rps_compat.errors import RobotariumError
-from rps_compat.generations import ATTRIBUTES, FUNCTIONS, evidence_of, instances_in
+from rps_compat.generations import ATTRIBUTES, FUNCTIONS, Kinds, evidence_of
 from rps_compat.versions import version_findings
 
 UTILITIES = ("barrier_certificates", "controllers", "graph", "misc", "transformations")
@@ -181,7 +181,9 @@ class _Names:
 
     def __init__(self, tree: ast.Module, text: _Text) -> None:
         self._tree, self._text = tree, text
-        self._instances = instances_in(tree)
+        kinds = Kinds(tree)
+        self._instances, self._makers = kinds.instances, kinds.makers
+        self._super_calls = kinds.super_calls(tree)
         # In a script of generation 2 the functions that both have mean generation 2's defaults.
         self._second = evidence_of([tree]).generation == 2
         self._aliases = {
@@ -239,7 +241,7 @@ class _Names:
 
     def _call(self, node: ast.Call) -> Iterator[Finding]:
         name = getattr(node.func, "id", getattr(node.func, "attr", ""))
-        if name == "Robotarium" or (name == "__init__" and _calls_super(node)):
+        if name in self._makers or node in self._super_calls:
             yield from self._constructor(node)
         elif name == "set_velocities" and node.args and not self._second:
             yield from self._ids(node)
@@ -370,11 +372,6 @@ def _by_position(old: dict[str, Any], fresh: dict[str, Any]) -> dict[str, str]:
         for (argument, default), target in zip(old.items(), fresh, strict=False)
         if default is inspect.Parameter.empty and argument not in fresh and target not in old
     }
-
-
-def _calls_super(node: ast.Call) -> bool:
-    owner = getattr(node.func, "value", None)
-    return isinstance(owner, ast.Call) and getattr(owner.func, "id", "") == "super"
 
 
 def _same(one: Any, other: Any) -> bool:

@@ -46,6 +46,11 @@ def lint(source):
         ("a, b = create_si_to_uni_mapping(0.05, np.pi)", "a, b = create_si_to_uni_mapping(0.05)"),
         ("f = create_uni_to_si_dynamics()", "f = create_uni_to_si_mapping()[0]"),
         ("poses = generate_initial_conditions(N, 0.4)", "poses = generate_random_poses(N, 0.4)"),
+        (
+            "class Env(Robotarium):\n    def __init__(self, n):\n        super().__init__(n, True)",
+            "class Env(Robotarium):\n    def __init__(self, n):\n"
+            "        super().__init__(number_of_robots=n, show_figure=True)",
+        ),
         ("L = completeGL(N - 1)", "L = completeGL(N - 1)"),
         ("L = completeGL(N=5)", "L = completeGL(n=5)"),
         ("L = lineGL(N)", "L = lineGL(N)"),
@@ -90,6 +95,7 @@ def test_findings(source, finding):
         "fig, axes = plt.subplots()\nfig.axes[0].figure",
         "def at_pose(x):\n    return x\n\nat_pose(3)",
         "x = np.float64(1.0) + np.inf",
+        "class Env(Gym):\n    def __init__(self):\n        super().__init__(3, True)",
     ],
 )
 def test_nothing_to_find(source):
