@@ -131,14 +131,14 @@ DEVIATIONS: dict[str, Deviation] = {
         "integers and up to 50 robots work",
         always=True,
     ),
-    "drawn initial conditions of generation 1": Deviation(
+    "starts drawn 0.2 m apart": Deviation(
         1,
         ("Robotarium",),
         "without initial_conditions, large teams find no places 0.2 m apart, and crash",
         "they are drawn from a grid, at least 0.26 m apart; others as published",
         always=True,
     ),
-    "drawn initial conditions": Deviation(
+    "starts drawn 0.5 m apart": Deviation(
         2,
         ("Robotarium",),
         "without initial_conditions, large teams find no places 0.5 m apart, and crash",
