@@ -2,7 +2,6 @@
 
 import argparse
 import contextlib
-import json
 import sys
 from collections.abc import Sequence
 from importlib.metadata import entry_points
@@ -72,11 +71,12 @@ def main(words: Sequence[str] | None = None) -> int:
         snapshots=snapshot_times(asked.snapshot),
         video=asked.video,
         recorder=offered_recorder(),
+        tell=lambda note: print(f"note: {note}", file=sys.stderr, flush=True),
     )
     # With --json the report alone is on stdout, for programs; the script talks on stderr.
     with contextlib.redirect_stdout(sys.stderr) if asked.json else contextlib.nullcontext():
         result = run_script(asked.script, asked.arguments, settings)
-    print(json.dumps(result.as_dict(), indent=1) if asked.json else summary(result))
+    print(result.as_json() if asked.json else summary(result))
     return result.exit_code
 
 

@@ -131,6 +131,20 @@ DEVIATIONS: dict[str, Deviation] = {
         "integers and up to 50 robots work",
         always=True,
     ),
+    "starts drawn 0.2 m apart": Deviation(
+        1,
+        ("Robotarium",),
+        "without initial_conditions, large teams find no places 0.2 m apart, and crash",
+        "they are drawn from a grid, at least 0.26 m apart; others as published",
+        always=True,
+    ),
+    "starts drawn 0.5 m apart": Deviation(
+        2,
+        ("Robotarium",),
+        "without initial_conditions, large teams find no places 0.5 m apart, and crash",
+        "the spacing shrinks until they fit, at least 0.26 m apart; others as published",
+        always=True,
+    ),
     "impossible commands": Deviation(
         2,
         ("set_velocities",),

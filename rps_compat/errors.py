@@ -30,5 +30,9 @@ class WrongGenerationError(RobotariumError, AttributeError):
     """A name of the other generation of the API; the message gives the right one."""
 
 
+class WrongArgumentError(WrongGenerationError, TypeError):
+    """An argument of the other generation's constructor."""
+
+
 class UnreachableError(RobotariumError, RuntimeError):
     """The robots could not be driven to the initial conditions; the message says which and why."""

@@ -2,7 +2,7 @@
 
 import ast
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
@@ -99,12 +99,44 @@ NEW_ARGUMENTS = frozenset(
 _COMMON = {"axes", "figure", "debug", "initialize", "poses", "velocities", "boundaries"}
 
 
+# What stands in a clue for a call whose arguments have no names.
+_BY_POSITION = "Robotarium(positional arguments)"
+#: Exceptions whose handler makes a script ready for a name that is not there.
+_MISSING = {
+    "AttributeError", "BaseException", "Exception", "ImportError", "ModuleNotFoundError",
+    "NameError", "RobotariumError", "TypeError", "WrongGenerationError",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Clue:
+    """Something in a script that speaks for one generation.
+
+    Attributes
+    ----------
+    line
+        Where, counted from 1.
+    name
+        A function, module or attribute, an argument with ``=`` behind it, or the constructor.
+    fatal
+        Whether the other generation stops there: surely the Robotarium's, and not asked for with
+        ``hasattr``, ``getattr`` or ``try``.
+    module
+        File name of the module beside the script that it stands in; "" for the script itself.
+    """
+
+    line: int
+    name: str
+    fatal: bool = False
+    module: str = ""
+
+
 @dataclass(frozen=True)
 class Evidence:
-    """What in a script speaks for each generation, as (line, name) pairs."""
+    """What in a script speaks for each generation."""
 
-    first: tuple[tuple[int, str], ...] = ()
-    second: tuple[tuple[int, str], ...] = ()
+    first: tuple[Clue, ...] = ()
+    second: tuple[Clue, ...] = ()
 
     @property
     def generation(self) -> Literal[1, 2]:
@@ -116,49 +148,232 @@ class Evidence:
         """Whether all evidence, and at least some, speaks for one generation."""
         return bool(self.first) != bool(self.second)
 
+    @property
+    def nothing(self) -> bool:
+        """Whether nothing speaks for any generation."""
+        return not self.first and not self.second
 
-@dataclass
+    def against(self, generation: Literal[1, 2]) -> list[str]:
+        """Say what stops the script if it runs as `generation`, and what is right there."""
+        told = {
+            (clue.module, clue.line, clue.name): _told(clue, generation)
+            for clue in (self.second if generation == 1 else self.first)
+            if clue.fatal
+        }
+        return [told[key] for key in sorted(told)]
+
+
+def _told(clue: Clue, generation: Literal[1, 2]) -> str:
+    name, running = clue.name, f"generation {3 - generation}'s; running as generation {generation}"
+    where = f"{clue.module} line {clue.line}" if clue.module else f"line {clue.line}"
+    if name == _BY_POSITION:
+        return f"{where}: arguments of Robotarium by position are {running}, which takes names only"
+    if name.endswith("="):
+        return f"{where}: {name} is {running}, which has no such argument of Robotarium"
+    right = _RIGHT[generation].get(name)
+    if not right:
+        return f"{where}: {name} is {running}, which has nothing like it"
+    call = "()" if right in ("debug", "call_at_scripts_end") else ""
+    return f"{where}: {name} is {running}, which calls it {right}{call}"
+
+
+_RIGHT: dict[int, dict[str, str | None]] = {
+    1: {new: old for old, new in reversed([*FUNCTIONS.items(), *ATTRIBUTES.items()]) if new},
+    2: {**FUNCTIONS, **ATTRIBUTES},
+}
+
+
+def name_of(node: ast.expr) -> str:
+    """Last part of a dotted name, "" of any other expression."""
+    return str(getattr(node, "id", getattr(node, "attr", "")))
+
+
+def _calls_super(node: ast.Call) -> bool:
+    owner = getattr(node.func, "value", None)
+    return (
+        name_of(node.func) == "__init__"
+        and isinstance(owner, ast.Call)
+        and name_of(owner.func) == "super"
+    )
+
+
+class Kinds:
+    """Names in one module that are a Robotarium, make one, or hold one."""
+
+    def __init__(self, tree: ast.Module) -> None:
+        #: The class and its subclasses.
+        self.classes = {"Robotarium"}
+        #: What makes one by Robotarium's own constructor.
+        self.makers = {"Robotarium"}
+        #: Expressions that hold one, as source: ``r``, ``self.r``, ``self`` of a subclass.
+        self.instances: set[str] = set()
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ClassDef) and self.includes(node):
+                self.classes.add(node.name)
+                self.instances.add("self")
+                own = (isinstance(part, ast.FunctionDef) and part.name for part in node.body)
+                if "__init__" not in own:
+                    self.makers.add(node.name)
+        for node in ast.walk(tree):
+            if not isinstance(node, ast.Assign | ast.AnnAssign):
+                continue
+            if isinstance(node.value, ast.Call) and name_of(node.value.func) in self.classes:
+                targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+                self.instances |= {ast.unparse(target) for target in targets}
+
+    def super_calls(self, tree: ast.Module) -> set[ast.Call]:
+        """Find the calls ``super().__init__(...)`` that are Robotarium's constructor."""
+        return {
+            call
+            for node in ast.walk(tree)
+            if isinstance(node, ast.ClassDef) and self.includes(node)
+            for call in ast.walk(node)
+            if isinstance(call, ast.Call) and _calls_super(call)
+        }
+
+    def includes(self, node: ast.ClassDef) -> bool:
+        """Whether the class is a Robotarium."""
+        return any(name_of(base) in self.classes for base in node.bases)
+
+
 class _Collector(ast.NodeVisitor):
-    first: list[tuple[int, str]] = field(default_factory=list)
-    second: list[tuple[int, str]] = field(default_factory=list)
+    """Clues in one module."""
 
-    def _name(self, line: int, name: str) -> None:
+    def __init__(self, tree: ast.Module, module: str) -> None:
+        self.first: list[Clue] = []
+        self.second: list[Clue] = []
+        self._module, self._kinds = module, Kinds(tree)
+        self._probed = _probed(tree)
+        self._starred = False
+        self._rps: set[str] = set()  # names of the API's modules
+        self._guards = 0  # how many `try` are around here
+        self._classes: list[bool] = []  # classes around here: is it a Robotarium?
+        self._own = {n.name for n in ast.walk(tree) if isinstance(n, ast.FunctionDef)}
+        #: Attributes that the script gives to its own subclass.
+        self._given = self._own | {
+            n.attr
+            for n in ast.walk(tree)
+            if isinstance(n, ast.Attribute)
+            and isinstance(n.ctx, ast.Store)
+            and name_of(n.value) == "self"
+        }
+        self.visit(tree)
+
+    def _found(
+        self, generation: Literal[1, 2], node: ast.stmt | ast.expr, name: str, fatal: bool
+    ) -> None:
+        fatal = fatal and not self._guards and name not in self._probed
+        clues = self.first if generation == 1 else self.second
+        clues.append(Clue(node.lineno, name, fatal, self._module))
+
+    def _function(self, node: ast.stmt | ast.expr, name: str, fatal: bool) -> None:
         if name in FUNCTIONS:
-            self.first.append((line, name))
+            self._found(1, node, name, fatal)
         elif name in NEW_FUNCTIONS:
-            self.second.append((line, name))
+            self._found(2, node, name, fatal)
+
+    def visit_ClassDef(self, node: ast.ClassDef) -> None:
+        self._classes.append(self._kinds.includes(node))
+        self.generic_visit(node)
+        self._classes.pop()
+
+    def visit_Try(self, node: ast.Try) -> None:
+        ready = any(
+            handler.type is None or _MISSING & {name_of(kind) for kind in _parts(handler.type)}
+            for handler in node.handlers
+        )
+        self._guards += ready
+        for part in (*node.body, *node.handlers):
+            self.visit(part)
+        self._guards -= ready
+        for part in (*node.orelse, *node.finalbody):
+            self.visit(part)
 
     def visit_Name(self, node: ast.Name) -> None:
-        self._name(node.lineno, node.id)
+        if node.id not in self._own:
+            self._function(node, node.id, self._starred and isinstance(node.ctx, ast.Load))
 
     def visit_Attribute(self, node: ast.Attribute) -> None:
-        self._name(node.lineno, node.attr)
-        if node.attr in ATTRIBUTES and node.attr not in _COMMON:
-            self.first.append((node.lineno, node.attr))
-        elif node.attr in NEW_ATTRIBUTES and node.attr not in _COMMON:
-            self.second.append((node.lineno, node.attr))
+        name, owner = node.attr, ast.unparse(node.value)
+        self._function(node, name, owner.split(".")[0] in self._rps)
+        known = owner in self._kinds.instances
+        if owner == "self":
+            known = bool(self._classes and self._classes[-1]) and name not in self._given
+        if known or name not in _COMMON:
+            if name in ATTRIBUTES:
+                self._found(1, node, name, known or name == "call_at_scripts_end")
+            elif name in NEW_ATTRIBUTES:
+                self._found(2, node, name, known)
         self.generic_visit(node)
+
+    def visit_Import(self, node: ast.Import) -> None:
+        for alias in node.names:
+            if alias.name.split(".")[0] == "rps":
+                self._rps.add(alias.asname or "rps")
 
     def visit_ImportFrom(self, node: ast.ImportFrom) -> None:
-        if (node.module or "").startswith("rps"):
-            if node.module == "rps.utilities.barrier_certificates2":
-                self.first.append((node.lineno, node.module))
-            if node.module == "rps.utilities.sensors":
-                self.second.append((node.lineno, node.module))
-            for alias in node.names:
-                self._name(node.lineno, alias.name)
+        module = node.module or ""
+        if not module.startswith("rps"):
+            return
+        if module == "rps.utilities.barrier_certificates2":
+            self._found(1, node, module, True)
+        if module == "rps.utilities.sensors":
+            self._found(2, node, module, True)
+        for alias in node.names:
+            self._starred |= alias.name == "*"
+            if module == "rps.utilities":
+                self._rps.add(alias.asname or alias.name)
+            self._function(node, alias.name, True)
 
     def visit_Call(self, node: ast.Call) -> None:
-        name = getattr(node.func, "id", getattr(node.func, "attr", ""))
-        if name == "Robotarium":
-            if node.args:  # generation 2 takes keywords only
-                self.first.append((node.lineno, "Robotarium(positional arguments)"))
+        positional = self._constructor_arguments(node)
+        if positional is not None:
+            # Generation 2 takes keywords only; what `*args` holds is unknown.
+            if any(not isinstance(argument, ast.Starred) for argument in positional):
+                self._found(1, node, _BY_POSITION, True)
             for keyword in node.keywords:
                 if keyword.arg in NEW_ARGUMENTS:
-                    self.second.append((node.lineno, f"{keyword.arg}="))
-        if name == "debug" and not node.args and isinstance(node.func, ast.Attribute):
-            self.second.append((node.lineno, "debug"))
+                    self._found(2, node, f"{keyword.arg}=", True)
+        function = node.func
+        if (
+            isinstance(function, ast.Attribute)
+            and function.attr == "debug"
+            and not node.args
+            and ast.unparse(function.value) not in self._kinds.instances  # those are found anyway
+        ):
+            self._found(2, node, "debug", False)
         self.generic_visit(node)
+
+    def _constructor_arguments(self, node: ast.Call) -> list[ast.expr] | None:
+        """Positional arguments of the call of Robotarium's constructor; None of another call."""
+        name = name_of(node.func)
+        if name in self._kinds.makers:
+            return node.args
+        if _calls_super(node):
+            return node.args if self._classes and self._classes[-1] else None
+        owner = getattr(node.func, "value", None)
+        if name == "__init__" and owner is not None and name_of(owner) in self._kinds.classes:
+            return node.args[1:]  # Robotarium.__init__(self, ...)
+        return None
+
+
+def _parts(node: ast.expr) -> list[ast.expr]:
+    return node.elts if isinstance(node, ast.Tuple) else [node]
+
+
+def _probed(tree: ast.Module) -> set[str]:
+    """Names that the script asks for before it uses them, and what the other generation says."""
+    asked = {
+        node.args[1].value
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call)
+        and name_of(node.func) in ("hasattr", "getattr")
+        and len(node.args) > 1
+        and isinstance(node.args[1], ast.Constant)
+        and isinstance(node.args[1].value, str)
+    }
+    others = (_RIGHT[generation].get(name) for name in asked for generation in (1, 2))
+    return asked | {name for name in others if name}
 
 
 def evidence_in(script: Path) -> Evidence:
@@ -171,18 +386,23 @@ def evidence_in(script: Path) -> Evidence:
     SyntaxError
         It is not Python.
     """
-    return evidence_of(_own_modules(script))
+    return _evidence(_own_modules(script))
 
 
 def evidence_of(trees: Iterable[ast.Module]) -> Evidence:
     """Read what speaks for either generation in syntax `trees`."""
-    collector = _Collector()
-    for tree in trees:
-        collector.visit(tree)
-    return Evidence(tuple(collector.first), tuple(collector.second))
+    return _evidence((tree, "") for tree in trees)
 
 
-def _own_modules(script: Path) -> Iterator[ast.Module]:
+def _evidence(modules: Iterable[tuple[ast.Module, str]]) -> Evidence:
+    collectors = [_Collector(tree, name) for tree, name in modules]
+    return Evidence(
+        tuple(clue for collector in collectors for clue in collector.first),
+        tuple(clue for collector in collectors for clue in collector.second),
+    )
+
+
+def _own_modules(script: Path) -> Iterator[tuple[ast.Module, str]]:
     waiting, seen = [script], set()
     while waiting:
         path = waiting.pop()
@@ -195,7 +415,7 @@ def _own_modules(script: Path) -> Iterator[ast.Module]:
             if path == script:
                 raise
             continue
-        yield tree
+        yield tree, "" if path == script else path.name
         for node in ast.walk(tree):
             names = []
             if isinstance(node, ast.Import):

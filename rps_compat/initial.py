@@ -21,6 +21,7 @@ import numpy as np
 
 from rps_compat.arena import Arena, Array, RobotModel
 from rps_compat.errors import InitialConditionsError, UnreachableError
+from rps_compat.placement import CrowdedError
 
 #: How near the drive brings every robot, as the published simulator: metres and radians.
 POSITION_TOLERANCE, HEADING_TOLERANCE = 0.02, 0.18
@@ -31,6 +32,8 @@ LONGEST_DRIVE = 600.0
 
 _CRUISE = 0.15  # m/s of the robot with the longest way
 _SAFETY = 0.01  # m that the certificate keeps beyond the collision diameter
+_SHRINKING = 0.8  # of the spacing between drawn poses, where a team is too large for it
+_GRID_SPACING = 0.26  # m that the grid's places are apart at least
 _PATIENCE = 90  # steps without progress before the robots are shaken
 
 
@@ -114,16 +117,52 @@ def starting_places(targets: Array, robot: RobotModel, rng: np.random.Generator)
     from scipy.optimize import linear_sum_assignment
 
     robots = targets.shape[1]
+    places = _grid_places(robots, robot, rng)
+    ways = ((targets[:2, :, None] - places[:, None, :]) ** 2).sum(axis=0)
+    _, chosen = linear_sum_assignment(ways)
+    return np.vstack([places[:, chosen], rng.uniform(-np.pi, np.pi, robots)])
+
+
+def _grid_places(robots: int, robot: RobotModel, rng: np.random.Generator) -> Array:
+    """Draw positions (2, `robots`) from a jittered grid that holds 50, at least 26 cm apart."""
     x_min, x_max, y_min, y_max = robot.boundaries
     across, down = np.meshgrid(
         np.linspace(x_min + 0.15, x_max - 0.15, 10), np.linspace(y_min + 0.15, y_max - 0.15, 5)
     )
     grid = np.stack([across.ravel(), down.ravel()])
-    places = grid[:, rng.choice(grid.shape[1], robots, replace=False)]
-    places = places + rng.uniform(-0.03, 0.03, places.shape)
-    ways = ((targets[:2, :, None] - places[:, None, :]) ** 2).sum(axis=0)
-    _, chosen = linear_sum_assignment(ways)
-    return np.vstack([places[:, chosen], rng.uniform(-np.pi, np.pi, robots)])
+    places: Array = grid[:, rng.choice(grid.shape[1], robots, replace=False)]
+    return places + rng.uniform(-0.03, 0.03, places.shape)
+
+
+def drawn_poses(
+    draw: Callable[[float], Array],
+    spacing: float,
+    robots: int,
+    robot: RobotModel,
+    rng: Callable[[], np.random.Generator],
+) -> Array:
+    """Draw poses (3, `robots`) for a script that gives none, as the API does where that works.
+
+    Parameters
+    ----------
+    draw
+        The API's own draw, from the distance that robots are to keep (m).
+    spacing
+        The distance that the API asks for. Large teams do not fit so far apart, and nobody asked
+        for it: it shrinks, until a jittered grid keeps the robots farther apart.
+    rng
+        Makes the random stream of the grid; not called where `draw` finds places.
+    """
+    while True:
+        try:
+            return draw(spacing)
+        except CrowdedError:
+            spacing *= _SHRINKING
+        if spacing < _GRID_SPACING:
+            break
+    stream = rng()
+    places = _grid_places(robots, robot, stream)
+    return np.vstack([places, stream.uniform(-np.pi, np.pi, robots)])
 
 
 def near(targets: Array, robot: RobotModel, rng: np.random.Generator) -> Array:

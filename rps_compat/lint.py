@@ -13,13 +13,13 @@ import ast
 import importlib
 import inspect
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any, Literal
 
 from rps_compat.errors import RobotariumError
-from rps_compat.generations import ATTRIBUTES, FUNCTIONS, evidence_of
+from rps_compat.generations import ATTRIBUTES, FUNCTIONS, Kinds, evidence_of
 from rps_compat.versions import version_findings
 
 UTILITIES = ("barrier_certificates", "controllers", "graph", "misc", "transformations")
@@ -92,7 +92,14 @@ def findings_in(source: bytes, name: str = "script") -> list[Finding]:
         Finding(line, "version", message, _edit_of(text, node, replacement))
         for line, message, node, replacement in version_findings(tree, source)
     ]
-    return sorted(set(found), key=lambda finding: (finding.line, finding.message))
+    # What is wrong several times in one line is told once, with all its edits.
+    merged: dict[tuple[int, str, str], Finding] = {}
+    for finding in found:
+        key = finding.line, finding.message, finding.kind
+        edits = merged[key].edits if key in merged else ()
+        more = tuple(edit for edit in finding.edits if edit not in edits)
+        merged[key] = replace(finding, edits=edits + more)
+    return [merged[key] for key in sorted(merged)]
 
 
 def rewritten(source: bytes, findings: list[Finding]) -> bytes:
@@ -174,7 +181,9 @@ class _Names:
 
     def __init__(self, tree: ast.Module, text: _Text) -> None:
         self._tree, self._text = tree, text
-        self._instances = set(_instances(tree))
+        kinds = Kinds(tree)
+        self._instances, self._makers = kinds.instances, kinds.makers
+        self._super_calls = kinds.super_calls(tree)
         # In a script of generation 2 the functions that both have mean generation 2's defaults.
         self._second = evidence_of([tree]).generation == 2
         self._aliases = {
@@ -232,7 +241,7 @@ class _Names:
 
     def _call(self, node: ast.Call) -> Iterator[Finding]:
         name = getattr(node.func, "id", getattr(node.func, "attr", ""))
-        if name == "Robotarium" or (name == "__init__" and _calls_super(node)):
+        if name in self._makers or node in self._super_calls:
             yield from self._constructor(node)
         elif name == "set_velocities" and node.args and not self._second:
             yield from self._ids(node)
@@ -315,32 +324,29 @@ class _Names:
     def _arguments(
         self, node: ast.Call, name: str, new: str, old: dict[str, Any], fresh: dict[str, Any]
     ) -> Iterator[Finding]:
-        renamed = _RENAMED_ARGUMENTS.get(new, {})
+        renamed = {**_by_position(old, fresh), **_RENAMED_ARGUMENTS.get(new, {})}
         given: dict[str, ast.expr] = dict(zip(old, node.args, strict=False))
-        given |= {k.arg: k.value for k in node.keywords if k.arg in old and k.arg}
+        given |= {k.arg: k.value for k in node.keywords if k.arg}
         kept, changed = [], False
         for position, (argument, value) in enumerate(given.items()):
             target = renamed.get(argument, argument)
-            if target not in fresh:
+            if target not in fresh and argument in old:
                 changed = True
                 yield Finding(
                     node.lineno, "argument", f"{new} has no argument {argument}; it is left out"
                 )
                 continue
-            same_place = position < len(node.args) and list(fresh).index(target) == position
-            positional = position < len(node.args) and same_place and not changed
-            if not same_place and position < len(node.args):
-                yield Finding(
-                    node.lineno, "argument", f"{argument} has another place in {new}: named"
-                )
-            changed |= not positional
             text = self._text.of(value)
-            kept.append(text if positional else f"{target}={text}")
+            if position < len(node.args) and not changed and list(fresh).index(target) == position:
+                kept.append(text)
+                continue
+            changed |= position < len(node.args) or target != argument
+            kept.append(f"{target}={text}")
         for argument, default in old.items():
             target = renamed.get(argument, argument)
-            if argument in given or default is inspect.Parameter.empty or target not in fresh:
+            if argument in given or target in given or target not in fresh:
                 continue
-            if not _same(default, fresh[target]):
+            if default is not inspect.Parameter.empty and not _same(default, fresh[target]):
                 changed = True
                 kept.append(f"{target}={_written(default)}")
                 yield Finding(
@@ -352,27 +358,20 @@ class _Names:
         if changed and not any(keyword.arg is None for keyword in node.keywords):
             opening = self._text.source.index(b"(", self._text.end(node.func)) + 1
             edit = Edit(opening, self._text.end(node) - 1, ", ".join(kept))
-            message = f"arguments of {new} in generation 2: {', '.join(kept)}"
+            message = f"arguments of {new} in generation 2: {', '.join(kept) or 'none'}"
             yield Finding(node.lineno, "argument", message, (edit,))
 
 
-def _instances(tree: ast.Module) -> Iterator[str]:
-    """Expressions that hold a Robotarium, as source: ``r``, ``self.r``, ``self`` of a subclass."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Assign | ast.AnnAssign) and isinstance(node.value, ast.Call):
-            name = getattr(node.value.func, "id", getattr(node.value.func, "attr", ""))
-            if name == "Robotarium":
-                targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-                yield from (ast.unparse(target) for target in targets)
-        elif isinstance(node, ast.ClassDef) and any(
-            getattr(base, "id", getattr(base, "attr", "")) == "Robotarium" for base in node.bases
-        ):
-            yield "self"
+def _by_position(old: dict[str, Any], fresh: dict[str, Any]) -> dict[str, str]:
+    """Names of generation 2 for required arguments, which keep their places: ``N`` → ``n``.
 
-
-def _calls_super(node: ast.Call) -> bool:
-    owner = getattr(node.func, "value", None)
-    return isinstance(owner, ast.Call) and getattr(owner.func, "id", "") == "super"
+    Optional arguments are not matched so: what stands in one's place is often something else.
+    """
+    return {
+        argument: target
+        for (argument, default), target in zip(old.items(), fresh, strict=False)
+        if default is inspect.Parameter.empty and argument not in fresh and target not in old
+    }
 
 
 def _same(one: Any, other: Any) -> bool:

@@ -18,6 +18,8 @@ MESSAGES = {
 }
 #: Faults beyond this many are summed up in the text; the data has them all.
 LISTED = 10
+#: Robots that the testbed has, and seconds after which it ends any run.
+TESTBED_ROBOTS, TESTBED_SECONDS = 20, 900.0
 
 
 @dataclass(frozen=True)
@@ -101,6 +103,18 @@ class RunReport:
             if steps
         ]
         return ", ".join(found) or "no violations"
+
+    @property
+    def notes(self) -> list[str]:
+        """What the testbed does not take, although nothing went wrong here."""
+        notes = []
+        if self.number_of_robots > TESTBED_ROBOTS:
+            notes.append(f"{self.number_of_robots} robots: the testbed has {TESTBED_ROBOTS}")
+        if self.duration > TESTBED_SECONDS:
+            notes.append(
+                f"{self.duration:.1f} s: the testbed ends every run after {TESTBED_SECONDS:g} s"
+            )
+        return notes
 
     def as_dict(self) -> dict[str, Any]:
         """Return the report as plain data, ready for JSON."""

@@ -30,7 +30,7 @@ from rps_compat.arena import Arena, Array, Realism
 from rps_compat.clock import SimulatedClock
 from rps_compat.errors import RobotariumError
 from rps_compat.film import Film
-from rps_compat.generations import evidence_in
+from rps_compat.generations import Evidence, evidence_in
 from rps_compat.install import Api, install, installed, uninstall
 from rps_compat.old_numpy import old_numpy_names
 from rps_compat.report import RunReport, report_on
@@ -39,10 +39,16 @@ from rps_compat.session import Initial, Session
 Ended = Literal["finished", "failed", "interrupted", "timeout"]
 #: Exit codes of a run that the script does not end itself, as shells have them.
 EXIT_CODES: dict[Ended, int] = {"finished": 0, "failed": 1, "interrupted": 130, "timeout": 124}
+#: Names of the other generation beyond this many are counted only.
+TOLD = 5
 
 
 class ScriptError(RobotariumError, OSError):
     """The script cannot be run at all: not found, not Python, a folder that cannot be written."""
+
+
+class SettingsError(RobotariumError, ValueError):
+    """A time limit, a snapshot's time or a seed outside its range."""
 
 
 class OutOfTime(BaseException):
@@ -92,6 +98,13 @@ class RunSettings:
         File to film to, .mp4 or .gif; a relative name lies in `out`.
     recorder
         Opens the log of one instance; None writes no log.
+    tell
+        Is told, before the script starts, each note on the generation that it runs on.
+
+    Raises
+    ------
+    SettingsError
+        A time limit that is not positive, a snapshot before the start, or a negative seed.
     """
 
     api: Api | None = None
@@ -105,6 +118,20 @@ class RunSettings:
     snapshots: Sequence[float] = ()
     video: Path | None = None
     recorder: OpenRecorder | None = None
+    tell: Callable[[str], None] | None = None
+
+    def __post_init__(self) -> None:
+        if self.timeout is not None and not self.timeout > 0:
+            raise SettingsError(
+                f"timeout is {self.timeout:g} s, expected more than 0; leave it out for none"
+            )
+        for time in self.snapshots:
+            if not time >= 0:
+                raise SettingsError(
+                    f"snapshot at {time:g} s, expected 0 or more seconds of the run, or its end"
+                )
+        if self.seed is not None and self.seed < 0:
+            raise SettingsError(f"seed is {self.seed}, expected a whole number from 0")
 
 
 @dataclass(frozen=True)
@@ -127,6 +154,10 @@ class RunResult:
         One for each Robotarium instance, in the order of their making.
     files
         What the run left in its folder.
+    notes
+        What is no fault of the run, and yet to be known before the testbed.
+    folder
+        Where the run left its files; None if nowhere.
     """
 
     script: Path
@@ -136,6 +167,8 @@ class RunResult:
     exit_code: int
     reports: tuple[RunReport, ...]
     files: tuple[Path, ...]
+    notes: tuple[str, ...] = ()
+    folder: Path | None = None
 
     @property
     def clean(self) -> bool:
@@ -143,7 +176,10 @@ class RunResult:
         return self.exit_code == 0 and all(report.clean for report in self.reports)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the result as plain data, ready for JSON."""
+        """Return the result as plain data, ready for JSON.
+
+        Files are told relative to the folder, so that equal runs into two folders are equal.
+        """
         return {
             "script": str(self.script),
             "api": self.api,
@@ -151,9 +187,20 @@ class RunResult:
             "reason": self.reason,
             "exit_code": self.exit_code,
             "clean": self.clean,
+            "notes": list(self.notes),
             "reports": [report.as_dict() for report in self.reports],
-            "files": [str(path) for path in self.files],
+            "files": [self._relative(path) for path in self.files],
         }
+
+    def as_json(self) -> str:
+        """Return the result and its folder as JSON: for a program that started the run."""
+        folder = None if self.folder is None else str(self.folder)
+        return json.dumps({**self.as_dict(), "folder": folder}, indent=1)
+
+    def _relative(self, path: Path) -> str:
+        if self.folder is not None and path.is_relative_to(self.folder):
+            return path.relative_to(self.folder).as_posix()
+        return str(path)
 
 
 def has_display() -> bool:
@@ -179,12 +226,31 @@ def run_script(
     settings = settings or RunSettings()
     script = Path(script).resolve()
     try:
-        api = settings.api or evidence_in(script).generation
+        evidence = evidence_in(script)
     except OSError as error:
         raise ScriptError(f"{script}: {error.strerror or error}") from error
     except (SyntaxError, ValueError) as error:
         raise ScriptError(f"{script} is not a Python script: {error}") from error
-    return _Run(script, list(arguments), api, settings).result()
+    api = settings.api or evidence.generation
+    notes = _generation_notes(evidence, api, settings.api is None)
+    if settings.tell is not None:
+        for note in notes:
+            settings.tell(note)
+    return _Run(script, list(arguments), api, settings, notes).result()
+
+
+def _generation_notes(evidence: Evidence, api: Api, found: bool) -> list[str]:
+    """Note what of the script `api` does not know, and whether `api` was but assumed."""
+    wrong = evidence.against(api)
+    notes = wrong[:TOLD]
+    if len(wrong) > TOLD:
+        notes.append(f"and {len(wrong) - TOLD} more names of generation {3 - api}")
+    if found and evidence.nothing:
+        notes.append(
+            f"nothing in the script tells its generation: running as generation {api}; "
+            f"--api {3 - api} runs it as generation {3 - api}"
+        )
+    return notes
 
 
 class _Watch:
@@ -212,6 +278,7 @@ class _Run:
     arguments: list[str]
     api: Api
     settings: RunSettings
+    notes: list[str]
     clock: SimulatedClock = field(default_factory=SimulatedClock)
     watches: list[_Watch] = field(default_factory=list)
     logs: list[Path] = field(default_factory=list)
@@ -316,17 +383,30 @@ class _Run:
             assert watch.log is not None
             watch.log.close("interrupted" if ended == "timeout" else ended, reason)
             files += sorted(path.parent.glob(f"{path.name}.*"))
-        if self.out is not None:
-            text = self.out / "report.txt"
+        texts = () if self.out is None else (self.out / "report.txt", self.out / "report.json")
+        result = RunResult(
+            self.script,
+            self.api,
+            ended,
+            reason,
+            exit_code,
+            reports,
+            (*files, *texts),
+            (*self.notes, *_notes_on(reports)),
+            self.out,
+        )
+        if texts:
+            text, data = texts
             text.write_text("\n".join(report.text(self.api) for report in reports), "utf-8")
-            data = self.out / "report.json"
-            files += [text, data]
-            result = RunResult(
-                self.script, self.api, ended, reason, exit_code, reports, tuple(files)
-            )
             data.write_text(json.dumps(result.as_dict(), indent=1) + "\n", "utf-8")
-            return result
-        return RunResult(self.script, self.api, ended, reason, exit_code, reports, tuple(files))
+        return result
+
+
+def _notes_on(reports: tuple[RunReport, ...]) -> tuple[str, ...]:
+    """Note what the testbed does not take, once each, and a run in which nothing ran."""
+    if not reports:
+        return ("no Robotarium was made: there is nothing to report on",)
+    return tuple(dict.fromkeys(note for report in reports for note in report.notes))
 
 
 def _exit_of(left: SystemExit) -> tuple[Ended, str, int]:
@@ -422,8 +502,6 @@ def summary(result: RunResult) -> str:
     lines = [f"{result.script.name}: generation {result.api}, {result.ended}"]
     if result.reason:
         lines[0] += f" ({result.reason})"
-    if not result.reports:
-        lines.append("no Robotarium was made")
     for number, report in enumerate(result.reports, start=1):
         which = f"Robotarium {number}: " if len(result.reports) > 1 else ""
         lines.append(
@@ -431,6 +509,7 @@ def summary(result: RunResult) -> str:
             f"{report.duration:.1f} s on the testbed, {report.verdict}"
         )
         lines += [f"  {fault}" for fault in report.faults[:5] if fault.kind != "actuator"]
+    lines += [f"note: {note}" for note in result.notes]
     if result.files:
         folders = sorted({str(path.parent) for path in result.files})
         names = ", ".join(path.name for path in result.files)

@@ -46,6 +46,22 @@ def lint(source):
         ("a, b = create_si_to_uni_mapping(0.05, np.pi)", "a, b = create_si_to_uni_mapping(0.05)"),
         ("f = create_uni_to_si_dynamics()", "f = create_uni_to_si_mapping()[0]"),
         ("poses = generate_initial_conditions(N, 0.4)", "poses = generate_random_poses(N, 0.4)"),
+        (
+            "class Env(Robotarium):\n    def __init__(self, n):\n        super().__init__(n, True)",
+            "class Env(Robotarium):\n    def __init__(self, n):\n"
+            "        super().__init__(number_of_robots=n, show_figure=True)",
+        ),
+        ("L = completeGL(N - 1)", "L = completeGL(N - 1)"),
+        ("L = completeGL(N=5)", "L = completeGL(n=5)"),
+        ("L = lineGL(N)", "L = lineGL(N)"),
+        ("L = lineGL(N=N)", "L = lineGL(n=N)"),
+        ("L = cycle_GL(5)", "L = cycleGL(5)"),
+        ("L = cycle_GL(N=5)", "L = cycleGL(n=5)"),
+        ("L = completeGL(n=5)", "L = completeGL(n=5)"),
+        (
+            "c = create_single_integrator_barrier_certificate(100, whatever=1)",
+            "c = create_si_barrier_certificate(barrier_gain=100, whatever=1, safety_radius=0.17)",
+        ),
         ("m = np.mat('1 2')", "m = np.asmatrix('1 2')"),
         ("x = np.Inf; é = np.float_(1)", "x = np.inf; é = np.float64(1)"),
     ],
@@ -79,10 +95,30 @@ def test_findings(source, finding):
         "fig, axes = plt.subplots()\nfig.axes[0].figure",
         "def at_pose(x):\n    return x\n\nat_pose(3)",
         "x = np.float64(1.0) + np.inf",
+        "class Env(Gym):\n    def __init__(self):\n        super().__init__(3, True)",
     ],
 )
 def test_nothing_to_find(source):
     assert lint(source) == ([], source)
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "r = Robotarium(number_of_robots=1)\nr.time_step; r.time_step; r.time_step",
+        "x = np.float(3) + np.float(4)",
+        "c = create_single_integrator_barrier_certificate(100, 0.2)",
+        "p = create_clf_unicycle_position_controller(1, 2)",
+        "L = completeGL(N - 1) + completeGL(N=3)",
+    ],
+)
+def test_each_finding_is_told_once_and_in_full(source):
+    findings = findings_in(source.encode())
+    messages = [(finding.line, finding.message) for finding in findings]
+    assert len(messages) == len(set(messages)) <= 4
+    assert not any(message.rstrip().endswith(":") for _, message in messages)
+    assert not any("another place" in message for _, message in messages)
+    assert findings_in(rewritten(source.encode(), findings)) == []
 
 
 def test_formatting_and_comments_stay():
@@ -157,5 +193,12 @@ def test_lint_command_tells_lines(tmp_path):
     result = CliRunner().invoke(app, ["lint", str(script)])
     assert result.exit_code == 1
     assert f"{script}:2: call_at_scripts_end is a name of generation 1" in result.output
+    script.write_text("r = Robotarium(number_of_robots=1)\nr.debug()\n")
+    result = CliRunner().invoke(app, ["lint", str(script)])
+    assert result.exit_code == 0
+    assert result.output.splitlines() == [
+        f"{script}: nothing to change for generation 2, numpy 2.2 and Python 3.10"
+    ]
+    assert CliRunner().invoke(app, ["lint", str(script), "--json"]).output == "[]\n"
     script.write_text("not python at all")
     assert CliRunner().invoke(app, ["lint", str(script)]).exit_code != 0

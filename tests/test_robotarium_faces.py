@@ -71,6 +71,36 @@ def test_up_to_fifty_robots(api, robots):
     assert r.get_poses().shape == (3, robots)
 
 
+@pytest.mark.parametrize("robots", [5, 18, 25, 50])
+def test_large_teams_need_no_initial_conditions(api, robots):
+    from rps.robotarium import Robotarium
+
+    options = {"skip_initialization": True} if api == 2 else {}
+    for seed in range(8):
+        starts = []
+        for _ in range(2):
+            np.random.seed(seed)  # noqa: NPY002 - what scripts do
+            r = Robotarium(
+                number_of_robots=robots, show_figure=False, sim_in_real_time=False, **options
+            )
+            starts.append(np.array(r.get_poses()))
+        assert np.array_equal(*starts)
+        i, j = np.triu_indices(robots, 1)
+        apart = np.hypot(*(starts[0][:2, i] - starts[0][:2, j])).min()
+        published = {1: 0.2, 2: 0.5}[api]
+        assert apart >= (published if robots == 5 else min(published, 0.26))
+
+
+@pytest.mark.parametrize("robots", [20, 50])
+def test_large_teams_are_driven_to_drawn_poses(robots):
+    from rps_compat.v2.robotarium import Robotarium
+
+    np.random.seed(1)  # noqa: NPY002 - what scripts do
+    r = Robotarium(number_of_robots=robots, show_figure=False, sim_in_real_time=False)
+    assert np.hypot(*(r.get_poses() - r._targets)[:2]).max() <= 0.02
+    assert r._errors == {}
+
+
 def _grid(robots):
     x, y = np.meshgrid(np.linspace(-1.4, 1.4, 10), np.linspace(-0.8, 0.8, 5))
     return np.stack([x.ravel(), y.ravel(), np.zeros(50)])[:, :robots]

@@ -2,15 +2,19 @@
 
 import json
 import shutil
+import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
+from posflock_robotarium.cli import app
+from posflock_robotarium.errors import ParameterError
 from posflock_robotarium.poselog import read_log
 from posflock_robotarium.recording import open_pose_log
-from rps_compat.runner import RunSettings, ScriptError, run_script, summary
+from rps_compat.runner import RunSettings, ScriptError, SettingsError, run_script, summary
 
 SCRIPTS = Path(__file__).parent / "scripts"
 
@@ -52,6 +56,7 @@ FINISHING = {
     "generation2_sensors.py": (2, "(2, 3) (3, 3) (3, 3) (3, 3) (3,) (2, 7, 3)\nTrue"),
     "generation2_subsets.py": (2, "[0.08 0.08 0.08 0.08] 31"),
     "either_generation.py": (1, "time step 0.033"),
+    "tells_no_generation.py": (1, "there (3, 2)"),
 }
 
 
@@ -97,6 +102,46 @@ def test_wrong_name_gets_the_right_one(run):
     assert len(log.t) == 20
 
 
+def test_names_of_the_other_generation_are_told_before_the_run(tmp_path):
+    script = tmp_path / "s.py"
+    script.write_text(
+        "from rps.robotarium import Robotarium\n"
+        "r = Robotarium(number_of_robots=1, skip_initialization=True)\n"
+        "t = r.TIME_STEP\n"
+        "print('first step')\n"
+        "r.get_poses(); r.step()\n"
+        "r.call_at_scripts_end()\n"
+    )
+    note = "line 6: call_at_scripts_end is generation 1's; running as generation 2, which calls it"
+    done = subprocess.run(
+        [sys.executable, "-u", "-m", "posflock_robotarium", "run", "-o", tmp_path / "out", script],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 1
+    assert 0 <= done.stdout.find(f"{note} debug()") < done.stdout.find("first step")
+    data = json.loads((tmp_path / "out" / "report.json").read_text())
+    assert data["notes"] == [f"{note} debug()"]
+    told = []
+    run_script(script, (), RunSettings(headless=True, api=1, tell=told.append))
+    assert [note.split(":")[0] for note in told] == ["line 2", "line 3"]
+
+
+def test_a_generation_that_nothing_tells_is_said_to_be_assumed(run):
+    result, _, _, _ = run("either_generation.py")
+    assert result.notes == ()
+    result, _, _, _ = run("subclass_of_robotarium.py")
+    assert result.notes == ()
+    told = []
+    result, _, _, _ = run("tells_no_generation.py", tell=told.append)
+    assert "nothing in the script tells its generation: running as generation 1" in told[0]
+    assert told == list(result.notes)
+    result, _, _, _ = run("tells_no_generation.py", api=1)
+    assert result.notes == ()
+
+
 def test_command_that_is_no_number_stops_the_run(run):
     result, _, _, log = run("divides_by_zero.py")
     assert result.ended == "failed"
@@ -134,6 +179,68 @@ def test_report_is_left_as_text_and_data(run, tmp_path):
     text = (tmp_path / "out" / "report.txt").read_text()
     assert "iteration(s) where robots collided." in text
     assert (tmp_path / "out" / "poses-12.npy") in result.files
+
+
+def test_reports_of_equal_runs_are_equal(run, tmp_path):
+    run("plot_on_axes.py", snapshots=(0.0,))
+    first = (tmp_path / "out" / "report.json").read_bytes()
+    assert str(tmp_path / "out").encode() not in first
+    names = json.loads(first)["files"]
+    assert {"poses.npy", "report.json", "snapshot-0s.png"} <= set(names)
+    (tmp_path / "out").rename(tmp_path / "elsewhere")
+    script = tmp_path / "home" / "plot_on_axes.py"
+    settings = {"headless": True, "seed": 0, "snapshots": (0.0,), "recorder": open_pose_log}
+    run_script(script, (), RunSettings(out=tmp_path / "other", **settings))
+    assert (tmp_path / "other" / "report.json").read_bytes() == first
+
+
+LONG_TEAM = """
+import numpy as np
+from rps.robotarium import Robotarium
+
+x, y = np.meshgrid(np.linspace(-1.4, 1.4, 7), [-0.6, 0.0, 0.6])
+r = Robotarium(21, False, False, np.stack([x.ravel(), y.ravel(), 0 * x.ravel()]))
+r.time_step = 10.0
+for k in range({steps}):
+    r.get_poses()
+    r.step()
+"""
+
+
+def test_what_the_testbed_does_not_take_is_noted(tmp_path):
+    script = tmp_path / "s.py"
+    script.write_text(LONG_TEAM.format(steps=91))
+    result = run_script(script, (), RunSettings(headless=True, out=tmp_path / "out"))
+    assert result.exit_code == 0
+    assert result.clean, "a note is no failure"
+    assert result.notes == (
+        "21 robots: the testbed has 20",
+        "910.0 s: the testbed ends every run after 900 s",
+    )
+    assert "note: 21 robots: the testbed has 20" in summary(result)
+    data = json.loads((tmp_path / "out" / "report.json").read_text())
+    assert data["notes"] == list(result.notes)
+    script.write_text(LONG_TEAM.format(steps=90))
+    assert run_script(script, (), RunSettings(headless=True)).notes == result.notes[:1]
+
+
+def test_a_script_without_a_robotarium_is_noted(tmp_path):
+    script = tmp_path / "s.py"
+    script.write_text("print('hello')")
+    result = run_script(script, (), RunSettings(headless=True, api=2, out=tmp_path / "out"))
+    assert result.exit_code == 0
+    assert "no Robotarium was made" in result.notes[0]
+    assert summary(result).count("no Robotarium was made") == 1
+    data = json.loads((tmp_path / "out" / "report.json").read_text())
+    assert data["notes"] == list(result.notes)
+
+
+def test_limits_are_those_of_the_testbed():
+    from posflock_robotarium import testbed
+    from rps_compat import report
+
+    assert report.TESTBED_ROBOTS == testbed.MAX_ROBOTS
+    assert report.TESTBED_SECONDS == testbed.MAX_DURATION
 
 
 def test_pictures_show_what_the_script_drew(run, tmp_path):
@@ -187,6 +294,41 @@ def test_process_is_left_as_it_was(run):
     assert (np.random.get_state()[1] == random_state).all()  # noqa: NPY002
     assert not hasattr(np, "mat")
     assert "rps" not in sys.modules
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"timeout": -1.0}, "timeout is -1 s, expected more than 0"),
+        ({"timeout": 0.0}, "timeout is 0 s, expected more than 0; leave it out for none"),
+        ({"timeout": float("nan")}, "timeout is nan s"),
+        ({"snapshots": (0.0, -5.0)}, "snapshot at -5 s, expected 0 or more seconds"),
+        ({"snapshots": (float("nan"),)}, "snapshot at nan s"),
+        ({"seed": -1}, "seed is -1, expected a whole number from 0"),
+    ],
+)
+def test_impossible_settings_are_refused(settings, message):
+    with pytest.raises(SettingsError, match=message):
+        RunSettings(**settings)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--timeout", "-1"], "timeout is -1 s"),
+        (["--timeout", "0"], "timeout is 0 s"),
+        (["--snapshot", "-5"], "snapshot at -5 s"),
+        (["--snapshot", "soon"], "expected seconds, e.g. 0,10,end"),
+        (["--seed", "-1"], "seed is -1"),
+    ],
+)
+def test_impossible_options_are_no_fault_of_the_script(tmp_path, options, message):
+    script, out = tmp_path / "s.py", tmp_path / "out"
+    script.write_text("print('never')")
+    result = CliRunner().invoke(app, ["run", *options, "-o", str(out), str(script)])
+    assert isinstance(result.exception, ParameterError)
+    assert message in str(result.exception)
+    assert not out.exists()
 
 
 def test_script_that_is_none(tmp_path):

@@ -59,7 +59,6 @@ def run(
         posflock run --seed 1 --timeout 60 --snapshot 0,end -o results formation.py --robots 7
     """
     import contextlib
-    import json
     import sys
 
     from posflock_robotarium.errors import ParameterError
@@ -81,13 +80,14 @@ def run(
             snapshots=snapshot_times(snapshot),
             video=video,
             recorder=open_pose_log,
+            tell=lambda note: typer.echo(f"{script}: {note}", err=True),
         )
         # With --json the report alone is on stdout, for programs; the script talks on stderr.
         with contextlib.redirect_stdout(sys.stderr) if as_json else contextlib.nullcontext():
             result = run_script(script, context.args, settings)
     except RobotariumError as error:
         raise ParameterError(str(error)) from error
-    typer.echo(json.dumps(result.as_dict(), indent=1) if as_json else summary(result))
+    typer.echo(result.as_json() if as_json else summary(result))
     raise typer.Exit(result.exit_code)
 
 
@@ -132,6 +132,9 @@ def lint(
         for finding in findings:
             left = "" if finding.edits or finding.kind == "default" or not to else "  [by hand]"
             typer.echo(f"{script}:{finding.line}: {finding.message}{left}", err=bool(to))
+        if not findings:
+            clean = "nothing to change for generation 2, numpy 2.2 and Python 3.10"
+            typer.echo(f"{script}: {clean}", err=bool(to))
     if to:
         new = rewritten(source, findings)
         if out is None:

@@ -4,6 +4,7 @@ import math
 import time
 import weakref
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from functools import cache
 from typing import Any
 
@@ -13,12 +14,12 @@ from rps_compat import session
 from rps_compat.arena import Arena, Array, RobotModel, require_finite
 from rps_compat.errors import ConstructorError
 from rps_compat.figure import ArenaFigure
-from rps_compat.initial import checked_poses, drive_to, first_poses
+from rps_compat.initial import checked_poses, drawn_poses, drive_to, first_poses
 from rps_compat.lazy import LazyModule
 from rps_compat.pace import pace_of
 from rps_compat.report import MESSAGES
 from rps_compat.v1.drawing import GritsbotPatches
-from rps_compat.wrong_generation import refuse
+from rps_compat.wrong_generation import refuse, refuse_new_arguments
 
 plt = LazyModule("matplotlib.pyplot")
 patches = LazyModule("matplotlib.patches")
@@ -51,6 +52,7 @@ class RobotariumABC(ABC):
         What is wrong with the arguments, and what was expected. Both are AssertionErrors.
     """
 
+    @refuse_new_arguments
     def __init__(
         self,
         number_of_robots: int = -1,
@@ -93,7 +95,7 @@ class RobotariumABC(ABC):
         self._checked_poses_already = False
         self._session = session.current()
         rng = cache(self._session.generator)  # one stream, drawn from only if it is needed
-        targets = self._targets(initial_conditions)
+        targets = self._targets(initial_conditions, rng)
         self.initial_conditions = targets.copy()
         self._model_key: tuple[float, ...] = self._constants()
         mode = self._session.mode(published="exact")
@@ -142,12 +144,17 @@ class RobotariumABC(ABC):
         )
         return picture
 
-    def _targets(self, initial_conditions: Array) -> Array:
+    def _targets(self, initial_conditions: Array, rng: Callable[[], np.random.Generator]) -> Array:
+        robots = self.number_of_robots
         if np.shape(initial_conditions) == (0,):
-            poses: Array = misc.generate_initial_conditions(
-                self.number_of_robots, spacing=0.2, width=2.5, height=1.5
-            )
-            return poses
+
+            def draw(spacing: float) -> Array:
+                poses: Array = misc.generate_initial_conditions(
+                    robots, spacing=spacing, width=2.5, height=1.5
+                )
+                return poses
+
+            return drawn_poses(draw, 0.2, robots, self._model(), rng)
         return checked_poses(initial_conditions, self.number_of_robots)
 
     def __getattr__(self, name: str) -> Any:

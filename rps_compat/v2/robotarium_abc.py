@@ -17,7 +17,7 @@ from rps_compat import session
 from rps_compat.arena import Arena, Array, RobotModel, require_finite
 from rps_compat.errors import CommandError, ConstructorError
 from rps_compat.figure import ArenaFigure
-from rps_compat.initial import checked_poses, first_poses
+from rps_compat.initial import checked_poses, drawn_poses, first_poses
 from rps_compat.lazy import LazyModule
 from rps_compat.pace import pace_of
 from rps_compat.sensors import ray_ends
@@ -203,12 +203,17 @@ class ARobotarium(ABC):
             self._session.created(self)
 
     def _target(self, initial_conditions: Any) -> Array:
+        robots = self.number_of_robots
         if isinstance(initial_conditions, tuple) and not initial_conditions:
-            poses: Array = _misc.generate_random_poses(
-                self.number_of_robots, spacing=0.5, width=2.75, height=1.75
-            )
-            return poses
-        return checked_poses(initial_conditions, self.number_of_robots)
+
+            def draw(spacing: float) -> Array:
+                poses: Array = _misc.generate_random_poses(
+                    robots, spacing=spacing, width=2.75, height=1.75
+                )
+                return poses
+
+            return drawn_poses(draw, 0.5, robots, self._model(), self._random)
+        return checked_poses(initial_conditions, robots)
 
     def __getattr__(self, name: str) -> Any:
         if name in ("_fig", "_axes_handle", "_robot_handle", *_SENSOR_ARTISTS):
