@@ -17,7 +17,7 @@ from posflock_robotarium.sweep.study import parse_study
 from posflock_robotarium.workers import THREAD_VARIABLES, local_pool, processors
 
 
-def die(experiment, runs):
+def die(experiment, runs, module=None):
     os._exit(1)
 
 
