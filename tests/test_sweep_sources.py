@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -184,6 +185,19 @@ def test_a_law_of_ones_own_is_swept_by_workers_too(own):
     third = sweep(own)
     assert third["computed"] == 0
     assert third["gammas"] == first["gammas"]
+
+
+def test_the_law_of_the_documentation_runs_as_it_is_printed(tmp_path):
+    page = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
+    law = re.search(r"^```python\n# near_law.py\n(.*?)^```", page, re.M | re.S)[1]
+    study = re.search(r"^```toml\n# near.toml\n(.*?)^```", page, re.M | re.S)[1]
+    (tmp_path / "near_law.py").write_text(law)
+    (tmp_path / "near.toml").write_text(
+        study.replace("10000", "2") + "[parameters]\nagents = 10\nside = 10.0\nduration = 2.0\n"
+    )
+    found = sweep(tmp_path / "near.toml")
+    assert found["computed"] == 6
+    assert len(set(found["gammas"])) == 6
 
 
 def test_modules_that_cannot_be_imported_are_named(own):
