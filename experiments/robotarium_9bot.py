@@ -30,6 +30,7 @@ except ImportError:
 
     STAND_IN = True
 
+from posflock_robotarium.errors import PosflockError
 from posflock_robotarium.flock import WALLS, Flock
 from posflock_robotarium.law import LawParameters
 from posflock_robotarium.placement import random_poses
@@ -62,6 +63,7 @@ def main() -> None:
         "seed": options.seed,
         "duration": options.duration,
         "requested_poses": start.tolist(),
+        "simulated": STAND_IN or None,  # None: only the one who started it knows
         "api_generation": 2 if hasattr(robotarium.Robotarium, "debug") else 1,
     }
     # The log first: a folder that cannot be written is refused before a robot has moved.
@@ -120,4 +122,7 @@ def parse_options() -> argparse.Namespace:
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except PosflockError as error:
+        raise SystemExit(f"robotarium_9bot: {error}") from error

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from posflock_robotarium import metrics
 from posflock_robotarium.drawing import BLACK, BLUE, GREEN, GREY, ORANGE, in_style, new_figure, save
 from posflock_robotarium.errors import LogError
+from posflock_robotarium.flock import WALLS
 from posflock_robotarium.poselog import Log
 
 if TYPE_CHECKING:
@@ -73,6 +74,7 @@ def snapshots(log: Log, times: Sequence[float] | None = None) -> Figure:
         axes.set_xlabel("x (m)")
     for axes in panels[:, 0]:
         axes.set_ylabel("y (m)")
+    _say_walls(figure, log)
     return figure
 
 
@@ -97,6 +99,7 @@ def alignment_over_time(log: Log, radius: float | None = None) -> Figure:
     )
     axes.axhline(1.0, color=GREY, linewidth=0.5, zorder=0)
     axes.legend(loc="lower right", title="γ from", title_fontsize=7)
+    _say_walls(figure, log)
     return figure
 
 
@@ -147,7 +150,15 @@ def distances_and_speeds(log: Log) -> Figure:
     right.set(xlabel="time (s)", ylabel="speed (m/s)", xlim=(0, log.t[-1]))
     right.set_ylim(0, 1.25 * float(speeds.max()))
     right.legend(loc="upper right", ncols=3)
+    _say_walls(figure, log)
     return figure
+
+
+def _say_walls(figure: Figure, log: Log) -> None:
+    """Say above a figure what kept the flock off the walls, where the log tells."""
+    words = WALLS.get(log.metadata.get("walls", ""))
+    if words is not None:
+        figure.suptitle(f"walls: {words}", fontsize=6, color="#555555", x=0.995, ha="right")
 
 
 def _arena(axes: Axes) -> None:

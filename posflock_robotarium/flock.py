@@ -49,8 +49,11 @@ from posflock_robotarium.pose_filter import PoseFilter, PoseFilterParameters
 
 Floats = NDArray[np.float64]
 
-#: What may keep the flock off the walls.
-WALLS = ("steer", "certificate")
+#: What may keep the flock off the walls, and how figures and reports say it.
+WALLS = {
+    "steer": "arena steering, an addition to the paper's law",
+    "certificate": "the paper's law and the certificate alone",
+}
 
 
 @dataclass(frozen=True)

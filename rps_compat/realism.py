@@ -574,8 +574,8 @@ class Imperfections:
     Attributes
     ----------
     commanded : bool
-        Whether the script has commanded since the last step; whoever knows sets it before each
-        step, and the watchdog counts the steps for which it is False.
+        Whether there was a command since the last step; the arena sets it before each step, and
+        the watchdog counts the steps for which it is False.
     """
 
     def __init__(self, profile: Profile) -> None:

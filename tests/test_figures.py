@@ -45,3 +45,8 @@ def test_a_log_too_short_is_named(log, tmp_path):
     short = replace(log, t=log.t[:3], poses=log.poses[:3])
     with pytest.raises(LogError, match="holds 3 rows"):
         figures.draw_run(short, tmp_path)
+
+
+def test_figures_say_what_is_not_the_papers(log):
+    for draw in (figures.snapshots, figures.alignment_over_time, figures.distances_and_speeds):
+        assert "an addition to the paper's law" in draw(log).get_suptitle()

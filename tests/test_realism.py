@@ -1,5 +1,7 @@
 """Imperfections do what their numbers say, alone and together, and stay reproducible."""
 
+import importlib
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -31,6 +33,7 @@ from rps_compat.realism import (
     Watchdog,
     WheelSlew,
 )
+from rps_compat.session import Session
 
 STEP = 0.033
 
@@ -257,3 +260,32 @@ def test_effects_are_told_in_their_order():
         name for name in EFFECTS if getattr(load_profile("harsh"), name) is not None
     )
     assert "dead_time" not in load_profile("harsh").without("dead_time").effects
+
+
+def test_a_script_that_commands_once_is_braked_on_either_generation():
+    for generation in (1, 2):
+        module = importlib.import_module(f"rps_compat.v{generation}.robotarium")
+        profile = Profile(watchdog=Watchdog(0.5))
+        session = Session(initial="exact", seed=0, realism=lambda: Imperfections(profile))  # noqa: B023
+        with session.active():
+            r = module.Robotarium(
+                number_of_robots=1,
+                show_figure=False,
+                sim_in_real_time=False,
+                initial_conditions=np.zeros((3, 1)),
+            )
+        for k in range(60):
+            x = r.get_poses()[0, 0]
+            if k == 0:
+                r.set_velocities([0], np.array([[0.1], [0.0]]))
+            r.step()
+        assert x == pytest.approx(0.05, abs=0.004)
+
+
+def test_a_command_that_stays_the_same_is_a_command():
+    arena = Arena(np.zeros((3, 1)), realism=Imperfections(Profile(watchdog=Watchdog(0.5))))
+    same = np.array([[0.1], [0.0]])
+    for _ in range(60):
+        arena.commands = same
+        arena.step()
+    assert arena.poses[0, 0] == pytest.approx(0.1 * 60 * STEP)

@@ -1,17 +1,19 @@
 """A rehearsal isolates the bundle, ends it in time, and brings back what it wrote."""
 
 import os
+import re
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from posflock_robotarium import rehearse as rehearsing
 from posflock_robotarium import testbed
 from posflock_robotarium.bundle import BundleError, bundle
 from posflock_robotarium.errors import OutputError, ParameterError
 from posflock_robotarium.poselog import read_log
-from posflock_robotarium.rehearse import Environment, rehearse, report_on
+from posflock_robotarium.rehearse import Environment, RehearsalError, rehearse, report_on
 from posflock_robotarium.verify.static import check_source
 from posflock_robotarium.verify.trials import Limits, TrialRoom
 
@@ -102,6 +104,31 @@ def test_bad_requests_are_refused(tmp_path):
     (tmp_path / "full" / "x").write_text("mine")
     with pytest.raises(OutputError, match="not empty"):
         rehearse(up, tmp_path / "full", environment=HERE)
+
+
+def test_without_the_testbeds_python_the_nearest_is_taken_and_said(monkeypatch):
+    elsewhere = {(3, 9): Path("nine"), (3, 12): Path("twelve"), (3, 13): Path("thirteen")}
+    monkeypatch.setattr(rehearsing, "installed_pythons", lambda: elsewhere)
+    python, note = rehearsing._nearest_python()
+    assert python == Path("twelve")
+    assert "3.10, which is not installed" in note
+    monkeypatch.setattr(rehearsing, "installed_pythons", lambda: {(3, 10): Path("ten")})
+    assert rehearsing._nearest_python() == (Path("ten"), "")
+
+
+def test_an_environment_that_cannot_be_built_says_why_and_leaves_nothing(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(rehearsing, "_nearest_python", lambda: (Path("/bin/false"), ""))
+    with pytest.raises(RehearsalError, match="cannot build"):
+        rehearsing.build_environment(["numpy"])
+    assert not list(tmp_path.rglob("ready"))
+
+
+def test_the_simulator_goes_by_a_private_name(tmp_path):
+    rehearsing.lay_simulator(tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == set(rehearsing._PRIVATE.values())
+    text = "\n".join(path.read_text() for path in tmp_path.rglob("*.py"))
+    assert not re.findall(r"^\s*(?:from|import) (?:rps_compat|barrier_certificates)\b", text, re.M)
 
 
 def unbundled(generation=2):

@@ -27,6 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.errors import LogError, OutputError, ParameterError
+from posflock_robotarium.flock import WALLS
 from posflock_robotarium.report.curves import Curves, compute
 from posflock_robotarium.report.estimators import ESTIMATORS, WINDOW, estimate
 from posflock_robotarium.report.numbers import Number, Situation, numbers_of
@@ -131,6 +132,11 @@ class Analysis:
         if isinstance(simulated, bool):
             return "simulation" if simulated else "testbed"
         return "unknown"
+
+    @property
+    def walls(self) -> str:
+        """What kept the flock off the walls, in words; empty where the log does not say."""
+        return WALLS.get(str(self.recording.parameters.get("walls", "")), "")
 
     @property
     def settled(self) -> NDArray[np.bool_]:

@@ -10,44 +10,14 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 
+from rps_compat.generations import FUNCTIONS, NEW_FUNCTIONS
 from rps_compat.wrong_generation import RENAMED
 
 #: Functions of generation 1 → what generation 2 calls them ("" where it has none).
-UTILITIES = {
-    "create_single_integrator_barrier_certificate": "create_si_barrier_certificate",
-    "create_single_integrator_barrier_certificate2": "create_si_barrier_certificate",
-    "create_single_integrator_barrier_certificate_with_boundary": (
-        "create_si_barrier_certificate_with_boundary"
-    ),
-    "create_unicycle_barrier_certificate": "create_uni_barrier_certificate",
-    "create_unicycle_barrier_certificate2": "create_uni_barrier_certificate",
-    "create_unicycle_barrier_certificate_with_boundary": (
-        "create_uni_barrier_certificate_with_boundary"
-    ),
-    "create_unicycle_differential_drive_barrier_certificate": "create_uni_barrier_certificate",
-    "create_unicycle_differential_drive_barrier_certificate_with_boundary": (
-        "create_uni_barrier_certificate_with_boundary"
-    ),
-    "create_robust_barriers": "",
-    "create_clf_unicycle_pose_controller": "create_pose_controller_clf",
-    "create_clf_unicycle_position_controller": "create_uni_position_controller",
-    "create_hybrid_unicycle_pose_controller": "create_pose_controller_hybrid",
-    "create_uni_to_si_dynamics": "create_uni_to_si_mapping",
-    "at_pose": "create_at_pose",
-    "at_position": "create_at_position",
-    "generate_initial_conditions": "generate_initial_poses",
-    "determine_marker_size": "",
-    "cycle_GL": "cycleGL",
-}
-#: Functions that generation 2 alone has → what generation 1 has instead.
-_NEW_UTILITIES = {new: old for old, new in reversed(UTILITIES.items()) if new} | {
-    "create_pose_parking_controller_clf": "",
-    "create_pose_parking_controller_hybrid": "",
-    "generate_random_poses": "generate_initial_conditions",
-    "generate_random_positions": "",
-    "rotation_matrix": "",
-    "unique_filename": "",
-    "simulate_distance_sensors": "",
+_OLD_UTILITIES = {old: new or "" for old, new in FUNCTIONS.items()}
+#: Functions that generation 2 alone has → what generation 1 has instead ("" for none).
+_NEW_UTILITIES = dict.fromkeys(NEW_FUNCTIONS, "") | {
+    new: old for old, new in reversed(FUNCTIONS.items()) if new
 }
 #: Attributes of the Robotarium object that are telling enough to be looked for on any name.
 _TELLING = ("call_at_scripts_end", "debug")
@@ -60,7 +30,7 @@ def wrong_names(tree: ast.Module, generation: int) -> Iterator[tuple[int, str, s
     A name asked for with ``hasattr`` or ``getattr`` anywhere in the script is one that the
     script is prepared to miss.
     """
-    functions = UTILITIES if generation == 2 else _NEW_UTILITIES
+    functions = _OLD_UTILITIES if generation == 2 else _NEW_UTILITIES
     attributes = RENAMED if generation == 2 else _NEW_ATTRIBUTES
     probed = _probed(tree)
     # Who asks for one of a pair of names knows the other one, too.

@@ -48,21 +48,25 @@ def serve(request: dict[str, Any]) -> None:
             importlib.import_module(name)
     waiting = [TrialPlan(**plan) for plan in request["plans"]]
     children: list[_Child] = []
-    while waiting or children:
-        while waiting and len(children) < request["jobs"]:
-            children.append(_fork(waiting.pop(0)))
-        time.sleep(0.01)
-        for child in list(children):
-            why = _overdue(child, request["stall"], request["seconds"])
-            pid, status = os.waitpid(child.pid, os.WNOHANG)
-            if pid == 0 and why is None:
-                continue
-            if pid == 0:
-                _kill(child)
-                _, status = os.waitpid(child.pid, 0)
-            children.remove(child)
-            left = _survivors(child)
-            print(json.dumps(_outcome(child, status, why, left)), flush=True)
+    try:
+        while waiting or children:
+            while waiting and len(children) < request["jobs"]:
+                children.append(_fork(waiting.pop(0)))
+            time.sleep(0.01)
+            for child in list(children):
+                why = _overdue(child, request["stall"], request["seconds"])
+                pid, status = os.waitpid(child.pid, os.WNOHANG)
+                if pid == 0 and why is None:
+                    continue
+                if pid == 0:
+                    _kill(child)
+                    _, status = os.waitpid(child.pid, 0)
+                children.remove(child)
+                left = _survivors(child)
+                print(json.dumps(_outcome(child, status, why, left)), flush=True)
+    finally:  # whoever ends this process ends the trials
+        for child in children:
+            _survivors(child)
     print(flush=True)
 
 
@@ -71,6 +75,7 @@ def _fork(plan: TrialPlan) -> _Child:
     pulse = open_pulse(results)
     pid = os.fork()
     if pid == 0:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
         os.setpgid(0, 0)
         with open(results / "where.txt", "w") as where:
             faulthandler.register(signal.SIGUSR1, where, all_threads=False)
@@ -198,5 +203,6 @@ def _files(scratch: Path, script: str) -> dict[str, int]:
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
     for line in sys.stdin:
         serve(json.loads(line))

@@ -241,9 +241,6 @@ class Watch:
         self.wall_gap: tuple[float, float, int] = (np.inf, 0.0, 0)
         self.silent = (0.0, 0.0)
         self._silence = 0.0
-        self._held: Any = None
-        self._commanded = False
-        self.imperfections: list[Any] = []
         self._pulse = pulse
         self._steps = 0
         self._refusals = 0
@@ -297,23 +294,15 @@ class Watch:
 
     def _hear(self, t: float, arena: Any) -> None:
         """Count how long the robots drive on without a new command."""
-        fresh = self._commanded or arena.commands is not self._held
-        for imperfections in self.imperfections:
-            imperfections.commanded = fresh
-        if fresh or not np.abs(arena.velocities).max(initial=0.0) > 0:
+        if arena.is_commanded or not np.abs(arena.velocities).max(initial=0.0) > 0:
             self._silence = 0.0
         else:
             self._silence += arena.robot.time_step
             if self._silence > self.silent[0]:
                 self.silent = (self._silence, t)
 
-    def commanded(self) -> None:
-        """Take note that the script gave a command."""
-        self._commanded = True
-
-    def after_step(self, arena: Any) -> None:
-        """Let the script's time begin, and remember the command that holds until another."""
-        self._held, self._commanded = arena.commands, False
+    def after_step(self) -> None:
+        """Let the script's time begin: the simulator's own work is not the script's."""
         self.clock.resume()
 
 
@@ -365,17 +354,10 @@ def _run(plan: TrialPlan, outcome: Outcome, pulse: mmap.mmap, deeds: int) -> Non
     clock = Clock()
     watch = Watch(plan, pulse, clock)
     profile = profile_from_dict(plan.profile) if plan.profile else None
-
-    def imperfections() -> Imperfections:
-        assert profile is not None
-        made = Imperfections(profile)
-        watch.imperfections.append(made)
-        return made
-
     session = Session(
         initial=plan.initial,  # type: ignore[arg-type]
         seed=plan.seed,
-        realism=None if profile is None else imperfections,
+        realism=None if profile is None else lambda: Imperfections(profile),
         recorder=lambda robots: watch,
         created=watch.created,
         wait=False,
@@ -433,18 +415,10 @@ def _run_guarded(
 
 
 def _listen(watch: Watch, generation: int) -> None:
-    """Be told of the end of each step, of each command, and of the finishing call."""
+    """Be told of the end of each step and of the finishing call."""
     from importlib import import_module
 
     kind = import_module(f"rps_compat.v{generation}.robotarium").Robotarium
-    base = kind.__mro__[1]
-    command = base.set_velocities
-
-    def heard(self: Any, ids: Any, velocities: Any) -> None:
-        watch.commanded()
-        command(self, ids, velocities)
-
-    base.set_velocities = heard
     if watch.plan.only_start:
         kind.get_poses = _enough
     step, finish = kind.step, "debug" if generation == 2 else "call_at_scripts_end"
@@ -452,7 +426,7 @@ def _listen(watch: Watch, generation: int) -> None:
 
     def timed(self: Any) -> None:
         step(self)
-        watch.after_step(self._arena)
+        watch.after_step()
 
     def finished(self: Any) -> None:
         watch.finished = True

@@ -449,6 +449,7 @@ class ARobotarium(ABC):
         require_finite(given)
         try:
             self._arena.commands[:, ids] = given
+            self._arena.commanded = True
         except IndexError as error:
             raise CommandError(
                 f"ids are {ids!r}, but there are robots 0 to {self.number_of_robots - 1}"
