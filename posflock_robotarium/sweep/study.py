@@ -174,8 +174,9 @@ class Study:
 
     def runs(self) -> list[Run]:
         """Return every run, combination by combination."""
+        code = self.code
         return [
-            self._run(point, combination, parameters, replication)
+            self._run(code, point, combination, parameters, replication)
             for point, (combination, parameters) in enumerate(self._points())
             for replication in range(self.replications)
         ]
@@ -193,6 +194,7 @@ class Study:
 
     def _run(
         self,
+        code: str,
         point: int,
         combination: dict[str, Value],
         parameters: dict[str, Value],
@@ -212,7 +214,7 @@ class Study:
         generator = np.random.default_rng(drawing)
         drawn = {n: d.draw(generator) for n, d in sorted(self.distributions.items())}
         chosen = self.experiment.with_defaults({**self.parameters, **combination, **drawn})
-        key = _digest({"run": name, "code": self.code, "reads": self.experiment.reads(chosen)})
+        key = _digest({"run": name, "code": code, "reads": self.experiment.reads(chosen)})
         return Run(key, point, replication, chosen, stream)
 
 
