@@ -50,7 +50,7 @@ def draw_run(log: Log, folder: Path) -> list[Path]:
 
 @in_style
 def snapshots(log: Log, times: Sequence[float] | None = None) -> Figure:
-    """Draw the arena at six instants: robots to scale, headings, trails (paper, Fig. 8).
+    """Draw the arena at six instants: robots to scale, headings, trails (paper, Fig. 7).
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def snapshots(log: Log, times: Sequence[float] | None = None) -> Figure:
 
 @in_style
 def alignment_over_time(log: Log, radius: float | None = None) -> Figure:
-    """Draw γ over time, from headings and from motion (paper, Fig. 9)."""
+    """Draw γ over time, from headings and from motion (paper, Fig. 8)."""
     figure = new_figure(3.5, 2.4)
     axes = figure.subplots()
     reach = _radius(log, radius)

@@ -23,7 +23,7 @@ that a run is the same, bit for bit, alone and in a batch.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from enum import Enum
 from typing import Any
@@ -35,6 +35,7 @@ from posflock_robotarium.errors import ParameterError
 from posflock_robotarium.law import (
     PAPER_SIMULATION,
     LawParameters,
+    check_states,
     displacements,
     position_based_input,
     saturate,
@@ -46,9 +47,11 @@ from posflock_robotarium.neighbour_search import (
     position_based_input_over,
     velocity_based_input_over,
 )
-from posflock_robotarium.sensing import Sensing, Sensors
+from posflock_robotarium.sensing import Sensed, Sensing, Sensors
 
 Floats = NDArray[np.float64]
+#: An input of one's own, (B, d, n) in m/s², before saturation.
+OwnLaw = Callable[[Sensed, LawParameters], Floats]
 Seed = int | np.random.SeedSequence | np.random.Generator
 
 #: Numbers in one (B, n, n) array of a batch that still fits the processor's cache.
@@ -101,6 +104,11 @@ class FreeSpace:
         δ, r, k and the limits, each possibly one per agent.
     sensing : Sensing
         Noise, dropout, delay and failures; perfect by default.
+    own_law : function of (Sensed, LawParameters), optional
+        Computes the input in place of `model`: what is sensed in arrays (B, d, n) and the
+        parameters in, inputs (B, d, n) in m/s² out, before saturation.  The functions of
+        :mod:`posflock_robotarium.law` take such arrays.  Each flock's input may depend on that
+        flock alone.
 
     Raises
     ------
@@ -118,6 +126,7 @@ class FreeSpace:
     record_interval: float = 0.25
     law: LawParameters = PAPER_SIMULATION
     sensing: Sensing = field(default_factory=Sensing)
+    own_law: OwnLaw | None = None
 
     def __post_init__(self) -> None:
         try:
@@ -157,6 +166,9 @@ class FreeSpace:
     def as_dict(self) -> dict[str, Any]:
         """Return every parameter as numbers, strings and lists, ready for JSON."""
         values = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        own = values.pop("own_law")
+        if own is not None:
+            values["own_law"] = getattr(own, "__name__", repr(own))
         return values | {
             "model": self.model.value,
             "law": self.law.as_dict(),
@@ -291,7 +303,7 @@ def _simulate(scenario: FreeSpace, generators: Sequence[np.random.Generator]) ->
     # stack would keep the transposed layout of the draws, and every later step pay for it.
     p, v = (np.ascontiguousarray(np.stack(states)) for states in zip(*starts, strict=True))
     sensors = Sensors(scenario.sensing, generators, scenario.agents, scenario.time_step)
-    wanted = (_TreeLaw if scenario.agents >= TREE_FROM_AGENTS else _DenseLaw)(scenario, sensors)
+    wanted = _law(scenario, sensors)
     every = max(1, round(scenario.record_interval / scenario.time_step))
     recorded = [(p, v)]
     for step in range(1, scenario.steps + 1):
@@ -311,6 +323,27 @@ def _simulate(scenario: FreeSpace, generators: Sequence[np.random.Generator]) ->
         velocities=np.stack([velocities for _, velocities in recorded], axis=1),
         failing=sensors.failing,
     )
+
+
+def _law(scenario: FreeSpace, sensors: Sensors) -> Callable[[Floats, Floats, float], Floats]:
+    if scenario.own_law is not None:
+        return _OwnLaw(scenario.own_law, scenario.law, sensors)
+    return (_TreeLaw if scenario.agents >= TREE_FROM_AGENTS else _DenseLaw)(scenario, sensors)
+
+
+class _OwnLaw:
+    """A user's input, which must be finite and have the shape of the states."""
+
+    def __init__(self, own_law: OwnLaw, law: LawParameters, sensors: Sensors) -> None:
+        self._own_law, self._law, self._sensors = own_law, law, sensors
+        self._first: Floats | None = None
+
+    def __call__(self, positions: Floats, velocities: Floats, time: float) -> Floats:
+        p, v = self._sensors.read(positions, velocities)
+        if self._first is None:
+            self._first = p
+        sensed = Sensed(p, v, self._first, time, self._sensors.detected(time))
+        return check_states(self._own_law(sensed, self._law), "input of the own law", like=p)
 
 
 class _DenseLaw:

@@ -27,6 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.errors import ParameterError
+from posflock_robotarium.law import neighbours
 
 Floats = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
@@ -80,6 +81,34 @@ class Sensing:
             )
         if self.failure not in ("stop", "vanish"):
             raise ParameterError(f'failure: expected "stop" or "vanish", got {self.failure!r}')
+
+
+@dataclass(frozen=True, eq=False)
+class Sensed:
+    """What a law is told at one step, of every flock b of a batch and every agent i.
+
+    Attributes
+    ----------
+    positions, velocities : (B, d, n) array
+        As they are sensed, metres and m/s.
+    first_positions : (B, d, n) array
+        As they were sensed at the first step: what an imprint is made of.
+    time : float
+        Seconds; the first input is computed at t = dt.
+    detected : (B, n, n) boolean array or None
+        Row i marks the agents that i does not miss; None where no one is missed.
+    """
+
+    positions: Floats
+    velocities: Floats
+    first_positions: Floats
+    time: float
+    detected: Booleans | None = None
+
+    def neighbours(self, radius: float | Floats) -> Booleans:
+        """Tell who is whose neighbour, (B, n, n): within the radius, and not missed."""
+        near = neighbours(self.positions, radius)
+        return near if self.detected is None else near & self.detected
 
 
 class Sensors:

@@ -19,7 +19,7 @@ STUDY = parse_study(
         "experiment": "freespace",
         "seed": 5,
         "replications": 20,
-        "parameters": {"agents": 20, "side": 12.0, "duration": 20.0},
+        "parameters": {"agents": 12, "side": 10.0, "duration": 10.0},
         "grid": {"model": ["velocity", "position"]},
         # Drawn anew for every run: forty tasks of one run each.
         "distributions": {"distance_scale": {"uniform": [0.4, 0.6]}},

@@ -22,7 +22,8 @@ def sweep(
 ) -> None:
     """Run a study: grids and distributions of parameters, kept in a store that survives.
 
-    Started again, a sweep computes only what is missing, whatever ended it.
+    Started again, a sweep computes only what is missing, whatever ended it; all of it, where
+    the code behind the experiment has changed.
 
     For example, here, and on a cluster:
 
@@ -39,7 +40,7 @@ def sweep(
     from posflock_robotarium.progress import counted
     from posflock_robotarium.sweep.execution import execute, locally, on_cluster
     from posflock_robotarium.sweep.figures import draw_study
-    from posflock_robotarium.sweep.results import finished, write_tables
+    from posflock_robotarium.sweep.results import finished, of_other_code, write_tables
     from posflock_robotarium.sweep.store import Store
     from posflock_robotarium.sweep.study import read_study
 
@@ -47,16 +48,27 @@ def sweep(
     folder = out or Path("results") / study.stem
     executors = on_cluster(scheduler) if scheduler else nullcontext(locally(workers))
     with Store(folder / "store") as store, executors as executor:
-        there = len(finished(asked, store))
+        there, stale = len(finished(asked, store)), of_other_code(asked, store)
+        if stale:
+            typer.echo(
+                f"{_counted(stale, 'run')} in {folder / 'store'} left out: computed before"
+                " a source was changed, kept for when it is changed back",
+                err=True,
+            )
         with counted(f"sweeping {study.stem}") as progress:
             computed = execute(asked, store, executor, progress)
         paths = write_tables(asked, store, folder)
         paths += draw_study(asked, finished(asked, store), folder / "figures")
         torn = store.torn
     if as_json:
-        done = {"computed": computed, "found": there, "torn": torn, "files": list(map(str, paths))}
-        typer.echo(json.dumps(done, indent=2))
+        done = {"computed": computed, "found": there, "other_code": stale, "torn": torn}
+        typer.echo(json.dumps(done | {"files": list(map(str, paths))}, indent=2))
         return
-    typer.echo(f"{computed} runs computed, {there} were there; written: {folder}")
+    typer.echo(f"{_counted(computed, 'run')} computed, {there} found; written: {folder}")
     if torn:
-        typer.echo(f"{torn} torn lines in {folder / 'store'} were left out, their runs repeated")
+        lines = _counted(torn, "torn line")
+        typer.echo(f"{lines} in {folder / 'store'} left out and computed again")
+
+
+def _counted(number: int, noun: str) -> str:
+    return f"1 {noun}" if number == 1 else f"{number} {noun}s"

@@ -101,8 +101,8 @@ class Evidence:
     singles : dict of Model to Recording
         The first seed's run, for trajectories.
     imprint : dict of Model to (B,) array
-        Of the position-based models: how hard the imprint pulls at 100 s, as a share of its
-        pull at 10 s.
+        Of the position-based models: how hard the imprint pulls at the end, as a share
+        of its pull at t = 1/k.
     variations : tuple of (Variation, Measures)
         In the order of :func:`variations`; fewer seeds.
     robots, imperfect_robots : Robots
@@ -136,9 +136,9 @@ class Evidence:
         return numbers[int(np.flatnonzero(values == value)[0])]
 
 
-def variations() -> Iterator[Variation]:
+def variations(paper: FreeSpace) -> Iterator[Variation]:
     """Yield every variation of the paper's simulation."""
-    base = FreeSpace(record_interval=1.0)
+    base = replace(paper, record_interval=1.0)
     both = (Model.VELOCITY, Model.POSITION)
     for value in (0.0125, 0.025, 0.05, 0.1, 0.2):
         for model in Model:
@@ -154,8 +154,8 @@ def variations() -> Iterator[Variation]:
         cube = replace(base, model=model, dimensions=3, side=CUBE_SIDE)
         yield Variation("three dimensions", "", 3.0, cube)
     for model in both:
-        larger = replace(base, model=model, agents=100, side=base.side * 2.0**0.5)
-        yield Variation("agents", "", 100.0, larger)
+        larger = replace(base, model=model, agents=2 * base.agents, side=base.side * 2.0**0.5)
+        yield Variation("times as many agents", "", 2.0, larger)
         for value in _POSITION_NOISE:
             blurred = replace(base, model=model, sensing=Sensing(position_noise=value))
             yield Variation("position noise", "m", value, blurred)
@@ -182,6 +182,8 @@ def gather(
     seeds: int = 20,
     *,
     first_seed: int = 0,
+    paper: FreeSpace | None = None,
+    driving: float = 120.0,
     workers: int | None = None,
     progress: Callable[[int, int], None] = lambda done, all_: None,
 ) -> Evidence:
@@ -194,6 +196,11 @@ def gather(
         many, at least two.
     first_seed : int
         Seeds count up from here.
+    paper : FreeSpace, optional
+        What stands for the paper's simulation, whose model is set in turn to each of the
+        three; a smaller one makes a quick rehearsal.
+    driving : float
+        Seconds for which the robots drive.
     workers : int, optional
         Processes; one for each processor by default.
     progress : function of (done, all)
@@ -208,11 +215,12 @@ def gather(
         raise ParameterError(f"seeds: expected at least 2, for a spread over them, got {seeds}")
     of_paper = tuple(range(first_seed, first_seed + seeds))
     fewer = of_paper[: max(2, seeds // 2)]
-    changed = list(variations())
+    simulation = paper or FreeSpace()
+    changed = list(variations(simulation))
     with local_pool(workers) as pool:
         # The longest tasks first: no processor idles at the end while another finishes one.
         driven = [
-            [pool.submit(drive, seed, imperfect=imperfect) for seed in fewer]
+            [pool.submit(drive, seed, imperfect=imperfect, duration=driving) for seed in fewer]
             for imperfect in (False, True)
         ]
         # Many variations pass through the paper's own values: equal scenarios run once.
@@ -221,13 +229,16 @@ def gather(
             text: [pool.submit(_run, scenario, part) for part in _parts(fewer)]
             for text, scenario in scenarios.items()
         }
-        paper = {
-            model: [pool.submit(_run_paper, model, part) for part in _parts(of_paper)]
+        compared = {
+            model: [
+                pool.submit(_run_paper, replace(simulation, model=model), part)
+                for part in _parts(of_paper)
+            ]
             for model in Model
         }
         tasks: list[Future[object]] = [
             task
-            for group in (*driven, *varied.values(), *paper.values())
+            for group in (*driven, *varied.values(), *compared.values())
             for task in group  # type: ignore[attr-defined]
         ]
         for done, task in enumerate(as_completed(tasks), start=1):
@@ -235,10 +246,10 @@ def gather(
             progress(done, len(tasks))
         return Evidence(
             seeds=of_paper,
-            measures={m: _joined([task.result()[0] for task in paper[m]]) for m in Model},
-            singles={m: paper[m][0].result()[1] for m in Model},
+            measures={m: _joined([task.result()[0] for task in compared[m]]) for m in Model},
+            singles={m: compared[m][0].result()[1] for m in Model},
             imprint={
-                m: np.concatenate([task.result()[2] for task in paper[m]]) for m in _IMPRINTED
+                m: np.concatenate([task.result()[2] for task in compared[m]]) for m in _IMPRINTED
             },
             variations=tuple(
                 (v, _joined([task.result() for task in varied[str(v.scenario.as_dict())]]))
@@ -261,11 +272,11 @@ def _run(scenario: FreeSpace, seeds: Sequence[int]) -> Measures:
     return measure(simulate_batch(scenario, seeds), scenario.law.radius)
 
 
-def _run_paper(model: Model, seeds: Sequence[int]) -> tuple[Measures, Recording, Floats]:
+def _run_paper(scenario: FreeSpace, seeds: Sequence[int]) -> tuple[Measures, Recording, Floats]:
     """Run some seeds of the paper's simulation; return one run to draw as well."""
-    scenario = FreeSpace(model)
     recording = simulate_batch(scenario, seeds)
-    pulls = np.array([_imprint_pull(scenario, recording, time) for time in (10.0, 100.0)])
+    times = (1.0 / scenario.law.persistence, scenario.duration)
+    pulls = np.array([_imprint_pull(scenario, recording, time) for time in times])
     return measure(recording, scenario.law.radius), recording[0], pulls[1] / pulls[0]
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from posflock_robotarium.errors import OutputError
+from posflock_robotarium.freespace import FreeSpace
 from posflock_robotarium.paper.claims import Judgement, Verdict, judge_all
 from posflock_robotarium.paper.evidence import Evidence, gather
 from posflock_robotarium.paper.tables import over_seeds, qualitative, varied
@@ -45,6 +46,8 @@ def reproduce(
     seeds: int = 20,
     *,
     first_seed: int = 0,
+    paper: FreeSpace | None = None,
+    driving: float = 120.0,
     workers: int | None = None,
     progress: Callable[[int, int], None] = lambda done, all_: None,
 ) -> Reproduction:
@@ -57,6 +60,8 @@ def reproduce(
         ``tables.md`` and one CSV a table.
     seeds, first_seed : int
         How many seeds, counted up from the first.
+    paper, driving : FreeSpace, float
+        A smaller simulation and a shorter drive, s, make a quick rehearsal.
     workers : int, optional
         Processes; one for each processor by default.
     progress : function of (done, all)
@@ -77,7 +82,14 @@ def reproduce(
     from posflock_robotarium.paper.figures import draw_all
 
     paths = _require_folder(folder)
-    evidence = gather(seeds, first_seed=first_seed, workers=workers, progress=progress)
+    evidence = gather(
+        seeds,
+        first_seed=first_seed,
+        paper=paper,
+        driving=driving,
+        workers=workers,
+        progress=progress,
+    )
     judgements = judge_all(evidence)
     tables = {
         "table_seeds": over_seeds(evidence),

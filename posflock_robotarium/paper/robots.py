@@ -54,7 +54,9 @@ class Noise:
         return seen
 
 
-def drive(seed: int, *, imperfect: bool) -> tuple[Log, Summary, Floats, Floats]:
+def drive(
+    seed: int, *, imperfect: bool, duration: float = DURATION
+) -> tuple[Log, Summary, Floats, Floats]:
     """Run the experiment once.
 
     Parameters
@@ -63,6 +65,8 @@ def drive(seed: int, *, imperfect: bool) -> tuple[Log, Summary, Floats, Floats]:
         What the start, and the noise, are drawn from.
     imperfect : bool
         Whether the arena is noisy.
+    duration : float
+        Seconds.
 
     Returns
     -------
@@ -78,7 +82,7 @@ def drive(seed: int, *, imperfect: bool) -> tuple[Log, Summary, Floats, Floats]:
     )
     flock = Flock()
     radius = float(np.max(flock.law.radius))
-    trial = simulate(flock, start, DURATION, realism=Noise() if imperfect else None, seed=seed)
+    trial = simulate(flock, start, duration, realism=Noise() if imperfect else None, seed=seed)
     log = trial.truth()
     positions = log.poses[:, :2]
     moving = metrics.smoothed_velocities(positions, flock.time_step)

@@ -12,21 +12,25 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from functools import partial
 from itertools import groupby, islice
+from pathlib import Path
 
 from posflock_robotarium import __version__
 from posflock_robotarium.errors import PosflockError
 from posflock_robotarium.sweep.experiments import find
+from posflock_robotarium.sweep.sources import code_of, load
 from posflock_robotarium.sweep.store import Row, Store
 from posflock_robotarium.sweep.study import Run, Study
 from posflock_robotarium.workers import local_pool, processors
 
-#: What gives rows for batches of runs, in any order.
-Executor = Callable[[str, Sequence[Sequence[Run]]], Iterator[list[Row]]]
+#: What computes one batch, and what has it compute all batches, in any order.
+Job = Callable[[Sequence[Run]], list[Row]]
+Executor = Callable[[Job, Sequence[Sequence[Run]]], Iterator[list[Row]]]
 
 
 class WorkerError(PosflockError):
-    """A worker process of this machine died."""
+    """A worker process died, or has other code than this one."""
 
 
 class ClusterError(PosflockError):
@@ -56,10 +60,17 @@ def execute(
     -------
     int
         How many runs were computed.
+
+    Raises
+    ------
+    WorkerError
+        Where a worker has other code than this process; nothing it computed is stored.
     """
     missing = [run for run in study.runs() if run.key not in store.rows]
+    job = partial(compute, study.experiment.name, module=study.module)
     done = 0
-    for rows in executor(study.experiment.name, batches(missing, study.experiment.together)):
+    for rows in executor(job, batches(missing, study.experiment.together)):
+        _require_same_code(rows, study.code)
         store.append(rows)
         done += len(rows)
         progress(done, len(missing))
@@ -75,7 +86,7 @@ def batches(runs: Iterable[Run], together: int) -> list[list[Run]]:
     return made
 
 
-def compute(experiment: str, runs: Sequence[Run]) -> list[Row]:
+def compute(experiment: str, runs: Sequence[Run], module: Path | None = None) -> list[Row]:
     """Compute one batch of runs with equal parameters.
 
     Parameters
@@ -84,15 +95,21 @@ def compute(experiment: str, runs: Sequence[Run]) -> list[Row]:
         Name of a registered experiment.
     runs : sequence of Run
         With one set of parameters.
+    module : Path, optional
+        The file that registers the experiment, where it is a user's own.
 
     Returns
     -------
     list of rows
-        Everything that decides a run, then what came out, ``seconds`` of CPU time a run and
-        the ``version`` that computed it.
+        Everything that decides a run, then what came out, ``seconds`` of CPU time a run, and
+        the ``version`` and the digest of the ``code`` that computed it.
     """
+    if module:
+        load(module)
+    found = find(experiment)
+    code = code_of(found, module)
     started = time.process_time()
-    outcomes = find(experiment).run(runs[0].parameters, [run.stream for run in runs])
+    outcomes = found.run(runs[0].parameters, [run.stream for run in runs])
     seconds = (time.process_time() - started) / len(runs)
     return [
         {
@@ -105,6 +122,7 @@ def compute(experiment: str, runs: Sequence[Run]) -> list[Row]:
             **outcome,
             "seconds": round(seconds, 6),
             "version": __version__,
+            "code": code,
         }
         for run, outcome in zip(runs, outcomes, strict=True)
     ]
@@ -120,9 +138,9 @@ def locally(workers: int | None = None) -> Executor:
     """
     count = workers or processors()
 
-    def run(experiment: str, work: Sequence[Sequence[Run]]) -> Iterator[list[Row]]:
+    def run(job: Job, work: Sequence[Sequence[Run]]) -> Iterator[list[Row]]:
         if count == 1 or len(work) < 2:
-            yield from (compute(experiment, batch) for batch in work)
+            yield from (job(batch) for batch in work)
             return
         todo = iter(work)
         with local_pool(min(count, len(work))) as pool:
@@ -130,7 +148,7 @@ def locally(workers: int | None = None) -> Executor:
             pending: set[Future[list[Row]]] = set()
             while True:
                 for batch in islice(todo, 3 * count - len(pending)):
-                    pending.add(pool.submit(compute, experiment, batch))
+                    pending.add(pool.submit(job, batch))
                 if not pending:
                     return
                 finished, pending = wait(pending, return_when=FIRST_COMPLETED)
@@ -175,10 +193,8 @@ def on_cluster(address: str, patience: float = 10.0) -> Iterator[Executor]:
     except (OSError, ValueError, TimeoutError) as error:
         raise ClusterError(f"no Dask scheduler answers at {address}: {error}") from error
 
-    def run(experiment: str, work: Sequence[Sequence[Run]]) -> Iterator[list[Row]]:
-        futures = client.map(
-            compute, [experiment] * len(work), work, pure=False, retries=2, batch_size=100
-        )
+    def run(job: Job, work: Sequence[Sequence[Run]]) -> Iterator[list[Row]]:
+        futures = client.map(job, work, pure=False, retries=2, batch_size=100)
         for future in as_completed(futures, loop=client.loop):
             rows: list[Row] = future.result()
             yield rows
@@ -189,6 +205,15 @@ def on_cluster(address: str, patience: float = 10.0) -> Iterator[Executor]:
         yield run
     finally:
         client.close()
+
+
+def _require_same_code(rows: Sequence[Row], code: str) -> None:
+    if any(row["code"] != code for row in rows):
+        raise WorkerError(
+            "a worker computed with other code than this process has: a source was changed during"
+            " the sweep, or the workers of a cluster were started before it was. Finished runs are"
+            " in the store: restart the workers and start again"
+        )
 
 
 def _version() -> str:

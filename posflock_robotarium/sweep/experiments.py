@@ -9,27 +9,22 @@ seed, and register it with the defaults of its parameters:
 >>> register(Experiment("coin", "A biased coin.", {"bias": 0.5}, coin, ("heads",)))
 >>> find("coin").with_defaults({"bias": 0.7})
 {'bias': 0.7}
+
+The experiments of this package, ``freespace`` and ``robots``, are imported when they are
+asked for.  A module that registers one of its own can be named in a study file.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
+from importlib import import_module
 from typing import Any
 
 import numpy as np
 
 from posflock_robotarium.errors import ParameterError
-from posflock_robotarium.flock import Flock
-from posflock_robotarium.freespace import FreeSpace, simulate_batch
-from posflock_robotarium.law import PAPER_EXPERIMENT, PAPER_SIMULATION, LawParameters
-from posflock_robotarium.measures import measure, summarise
-from posflock_robotarium.placement import random_poses
-from posflock_robotarium.sensing import Sensing
-from posflock_robotarium.summary import summarise as summarise_log
-from posflock_robotarium.trial import simulate
-from rps_compat.profiles import load_profile
-from rps_compat.realism import Profile
+from posflock_robotarium.law import LawParameters
 
 Value = bool | int | float | str
 Parameters = Mapping[str, Value]
@@ -58,6 +53,10 @@ class Experiment:
         Runs that are fastest computed in one call.
     check : function of parameters, optional
         Raises ParameterError before anything runs.
+    reads : function of parameters, optional
+        Returns the text of files that the parameters name, whose contents decide a run too.
+    sources : tuple of function
+        Functions behind `run` that a reader of its module's imports would not find.
     """
 
     name: str
@@ -67,6 +66,8 @@ class Experiment:
     headline: tuple[str, ...]
     together: int = 1
     check: Callable[[Parameters], object] = lambda parameters: None
+    reads: Callable[[Parameters], str] = lambda parameters: ""
+    sources: tuple[Callable[..., object], ...] = ()
 
     def with_defaults(self, given: Parameters) -> dict[str, Value]:
         """Return all parameters, those given in their default's type.
@@ -89,6 +90,12 @@ class Experiment:
 
 _EXPERIMENTS: dict[str, Experiment] = {}
 
+#: Experiments of this package, and the module that registers each.
+_BUILT_IN = {
+    "freespace": "posflock_robotarium.sweep.points",
+    "robots": "posflock_robotarium.sweep.robots",
+}
+
 
 def register(experiment: Experiment) -> None:
     """Make an experiment known under its name.
@@ -98,7 +105,8 @@ def register(experiment: Experiment) -> None:
     ParameterError
         Where another has the name already.
     """
-    if experiment.name in _EXPERIMENTS:
+    home = _BUILT_IN.get(experiment.name, experiment.run.__module__)
+    if experiment.name in _EXPERIMENTS or home != experiment.run.__module__:
         raise ParameterError(f"experiment {experiment.name!r} is registered already")
     _EXPERIMENTS[experiment.name] = experiment
 
@@ -111,15 +119,16 @@ def find(name: str) -> Experiment:
     ParameterError
         Listing the names there are.
     """
+    if name not in _EXPERIMENTS and name in _BUILT_IN:
+        import_module(_BUILT_IN[name])
     if name not in _EXPERIMENTS:
-        names = ", ".join(sorted(_EXPERIMENTS))
-        raise ParameterError(f"experiment: expected one of {names}; got {name!r}")
+        raise ParameterError(f"experiment: expected one of {', '.join(names())}; got {name!r}")
     return _EXPERIMENTS[name]
 
 
 def names() -> list[str]:
     """Return the names of all experiments."""
-    return sorted(_EXPERIMENTS)
+    return sorted({*_EXPERIMENTS, *_BUILT_IN})
 
 
 def _as(kind: type, name: str, value: Any) -> Value:
@@ -133,102 +142,11 @@ def _as(kind: type, name: str, value: Any) -> Value:
     return value
 
 
-def _number(parameters: Parameters, name: str) -> float:
+def number(parameters: Parameters, name: str) -> float:
+    """Return a parameter as a float."""
     return float(parameters[name])
 
 
-def _law(parameters: Parameters) -> LawParameters:
+def law_parameters(parameters: Parameters) -> LawParameters:
+    """Return the parameters of the flocking law, from among an experiment's."""
     return LawParameters(**{name: parameters[name] for name in LawParameters.__dataclass_fields__})  # type: ignore[arg-type]
-
-
-# ---------------------------------------------------------------- points in free space
-
-_SENSING = asdict(Sensing())
-_SPACE = ("model", "agents", "dimensions", "side", "fastest_start", "duration", "time_step")
-
-
-def _free_space(parameters: Parameters) -> FreeSpace:
-    space = {name: parameters[name] for name in (*_SPACE, "record_interval")}
-    sensing = Sensing(**{name: parameters[name] for name in _SENSING})  # type: ignore[arg-type]
-    return FreeSpace(**space, law=_law(parameters), sensing=sensing)  # type: ignore[arg-type]
-
-
-def _run_free_space(
-    parameters: Parameters, seeds: Sequence[np.random.SeedSequence]
-) -> list[Outcome]:
-    scenario = _free_space(parameters)
-    numbers = summarise(measure(simulate_batch(scenario, seeds), scenario.law.radius))
-    return [{name: float(row[b]) for name, row in numbers.items()} for b in range(len(seeds))]
-
-
-_DEFAULT_SPACE = FreeSpace().as_dict()
-
-register(
-    Experiment(
-        "freespace",
-        "Point agents in the plane or in space, the paper's simulation.",
-        {name: _DEFAULT_SPACE[name] for name in _SPACE}
-        | {"record_interval": 1.0}
-        | PAPER_SIMULATION.as_dict()
-        | _SENSING,
-        _run_free_space,
-        headline=("gamma_settled", "nearest_neighbour_settled"),
-        together=8,
-        check=_free_space,
-    )
-)
-
-
-# ---------------------------------------------------------------- robots in the arena
-
-
-def _flock(parameters: Parameters) -> tuple[Flock, Profile]:
-    if _number(parameters, "robots") < 1 or _number(parameters, "duration") <= 0.0:
-        raise ParameterError(
-            "robots from 1 and a duration above 0 s are expected; got"
-            f" {parameters['robots']} and {parameters['duration']}"
-        )
-    flock = Flock(_law(parameters), walls=str(parameters["walls"]))
-    return flock, load_profile(str(parameters["profile"]))
-
-
-def _run_robots(parameters: Parameters, seeds: Sequence[np.random.SeedSequence]) -> list[Outcome]:
-    flock, profile = _flock(parameters)
-    side, spacing = _number(parameters, "side"), _number(parameters, "spacing")
-    robots, duration = int(_number(parameters, "robots")), _number(parameters, "duration")
-    found = []
-    for seed in seeds:
-        start = random_poses(robots, np.random.default_rng(seed), side=side, spacing=spacing)
-        (noise,) = seed.spawn(1)
-        trial = simulate(
-            flock,
-            start,
-            duration,
-            realism=profile.start(),
-            seed=int(noise.generate_state(1, np.uint64)[0]),
-        )
-        numbers = summarise_log(trial.truth()).as_dict()
-        found.append({k: float(v) for k, v in numbers.items() if not isinstance(v, str)})
-        del found[-1]["duration"]
-    return found
-
-
-_ROBOTS: dict[str, Value] = {
-    "robots": 9,
-    "duration": 120.0,
-    "side": 1.0,
-    "spacing": 0.3,
-    "walls": "steer",
-    "profile": "ideal",
-}
-
-register(
-    Experiment(
-        "robots",
-        "Robots on wheels in the arena, with the imperfections of a profile.",
-        _ROBOTS | PAPER_EXPERIMENT.as_dict(),
-        _run_robots,
-        headline=("gamma_motion", "smallest_distance"),
-        check=_flock,
-    )
-)

@@ -41,9 +41,17 @@ def finished(study: Study, store: Store) -> list[Row]:
     return [{k: v for k, v in row.items() if k not in _OF_MACHINE} for row in rows]
 
 
+def of_other_code(study: Study, store: Store) -> int:
+    """Return how many runs in the store were computed by other code than the study's now."""
+    code, name = study.code, study.experiment.name
+    return sum(
+        row.get("code") != code and row.get("experiment") == name for row in store.rows.values()
+    )
+
+
 def outcomes(study: Study, rows: Sequence[Row]) -> list[str]:
     """Return the names of what came out of the runs, without what went in."""
-    given = {"key", "point", "replication", "experiment", "study_seed", "version"}
+    given = {"key", "point", "replication", "experiment", "study_seed", "version", "code"}
     given |= set(study.experiment.defaults)
     return [name for name in (rows[0] if rows else {}) if name not in given]
 
@@ -122,6 +130,7 @@ def _said(study: Study) -> dict[str, Any]:
     """Return a study as its file would say it."""
     return {
         "experiment": study.experiment.name,
+        **({"module": study.module.name} if study.module else {}),
         "seed": study.seed,
         "replications": study.replications,
         "common_random_numbers": study.common_random_numbers,

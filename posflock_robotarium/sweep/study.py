@@ -3,6 +3,7 @@
 .. code-block:: toml
 
     experiment = "freespace"
+    module = "my_law.py"            # only for an experiment of one's own: registers it
     seed = 1                        # of the whole study
     replications = 20               # of every combination
     common_random_numbers = true    # replication r starts alike in every combination
@@ -25,7 +26,8 @@
 Every run has a random stream of its own, ``SeedSequence(seed, spawn_key=...)``, whose key
 follows from the run's combination and replication, never from its place in a list: runs
 can be added to a study, and be computed in any order, on any machine, without changing one
-another.
+another.  The stream does not depend on the code, the run's key in the store does: after the
+law is edited every run is computed again, from the same start and with the same noise.
 """
 
 from __future__ import annotations
@@ -43,6 +45,7 @@ import numpy as np
 
 from posflock_robotarium.errors import ParameterError, PosflockError
 from posflock_robotarium.sweep.experiments import Experiment, Value, find
+from posflock_robotarium.sweep.sources import ModuleError, code_of, load
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -121,6 +124,8 @@ class Study:
         Parameters drawn anew for every run.
     figures : tuple of Figure
         Pictures asked for.
+    module : Path, optional
+        The file that registers the experiment, where it is not one of this package's.
 
     Raises
     ------
@@ -138,6 +143,7 @@ class Study:
     grid: Mapping[str, list[Value]] = field(default_factory=dict)
     distributions: Mapping[str, Distribution] = field(default_factory=dict)
     figures: tuple[Figure, ...] = ()
+    module: Path | None = None
 
     def __post_init__(self) -> None:
         if self.replications < 1 or self.seed < 0:
@@ -161,10 +167,16 @@ class Study:
                 if name not in (*self.grid, *self.distributions):
                     raise StudyError(f"figures: {name!r} is not varied in this study")
 
+    @property
+    def code(self) -> str:
+        """Digest of the code that computes the runs."""
+        return code_of(self.experiment, self.module)
+
     def runs(self) -> list[Run]:
         """Return every run, combination by combination."""
+        code = self.code
         return [
-            self._run(point, combination, parameters, replication)
+            self._run(code, point, combination, parameters, replication)
             for point, (combination, parameters) in enumerate(self._points())
             for replication in range(self.replications)
         ]
@@ -182,6 +194,7 @@ class Study:
 
     def _run(
         self,
+        code: str,
         point: int,
         combination: dict[str, Value],
         parameters: dict[str, Value],
@@ -195,18 +208,18 @@ class Study:
             "common": self.common_random_numbers,
             "replication": replication,
         }
-        key = hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()[:16]
-        spawn_key = (replication,) if self.common_random_numbers else (replication, int(key, 16))
+        name = _digest(identity)
+        spawn_key = (replication,) if self.common_random_numbers else (replication, int(name, 16))
         drawing, stream = np.random.SeedSequence(self.seed, spawn_key=spawn_key).spawn(2)
         generator = np.random.default_rng(drawing)
-        drawn = {name: d.draw(generator) for name, d in sorted(self.distributions.items())}
-        return Run(
-            key,
-            point,
-            replication,
-            self.experiment.with_defaults({**self.parameters, **combination, **drawn}),
-            stream,
-        )
+        drawn = {n: d.draw(generator) for n, d in sorted(self.distributions.items())}
+        chosen = self.experiment.with_defaults({**self.parameters, **combination, **drawn})
+        key = _digest({"run": name, "code": code, "reads": self.experiment.reads(chosen)})
+        return Run(key, point, replication, chosen, stream)
+
+
+def _digest(identity: Mapping[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()[:16]
 
 
 @dataclass(frozen=True)
@@ -287,25 +300,28 @@ def read_study(path: Path) -> Study:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise StudyError(f"{path} is not TOML: {error}") from error
     try:
-        return parse_study(said)
-    except (StudyError, ParameterError) as error:
+        return parse_study(said, path.parent)
+    except (StudyError, ParameterError, ModuleError) as error:
         raise StudyError(f"{path}: {error}") from error
 
 
-def parse_study(said: Mapping[str, Any]) -> Study:
+def parse_study(said: Mapping[str, Any], folder: Path = Path()) -> Study:
     """Make a study of what a study file says; unknown keys are refused.
 
     Parameters
     ----------
     said : dict
         The file's contents.
+    folder : Path
+        Where it lies: `module` is a path from here.
 
     Raises
     ------
-    StudyError, ParameterError
+    StudyError, ParameterError, ModuleError
         Naming the key, what was got and what was expected.
     """
-    shapes = {"experiment": str, "seed": int, "replications": int, "common_random_numbers": bool}
+    shapes = {"experiment": str, "module": str, "seed": int, "replications": int}
+    shapes["common_random_numbers"] = bool
     tables = ("parameters", "grid", "distributions")
     _refuse_unknown(said, (*shapes, *tables, "figures"), "a study")
     for name, kind in shapes.items():
@@ -313,6 +329,9 @@ def parse_study(said: Mapping[str, Any]) -> Study:
             raise StudyError(f"{name}: expected {kind.__name__}, got {said[name]!r}")
     if "experiment" not in said:
         raise StudyError('experiment: expected a name such as "freespace", got none')
+    module = (folder / said["module"]).resolve() if "module" in said else None
+    if module:
+        load(module)
     for name in tables:
         if not isinstance(said.get(name, {}), dict):
             raise StudyError(f"[{name}]: expected a table, got {said[name]!r}")
@@ -321,13 +340,15 @@ def parse_study(said: Mapping[str, Any]) -> Study:
             raise StudyError(f"grid.{name}: expected a list of at least one value, got {values!r}")
         if len(set(map(repr, values))) < len(values):
             raise StudyError(f"grid.{name}: a value is listed twice in {values!r}")
+    chosen = ("experiment", "module")
     return Study(
         experiment=find(said["experiment"]),
         parameters=said.get("parameters", {}),
         grid=said.get("grid", {}),
         distributions={n: _distribution(n, d) for n, d in said.get("distributions", {}).items()},
         figures=tuple(_figure(figure) for figure in said.get("figures", ())),
-        **{name: said[name] for name in shapes if name != "experiment" and name in said},
+        module=module,
+        **{name: said[name] for name in shapes if name not in chosen and name in said},
     )
 
 
