@@ -123,9 +123,14 @@ def test_trials_end_with_the_verifier(tmp_path):
     (started,) = tmp_path.rglob("started")
     os.killpg(verifier.pid, signal.SIGINT)
     verifier.wait(30.0)
-    time.sleep(0.5)
-    still = [p for p in Path("/proc").glob("[0-9]*/cwd") if _leads_to(p, started.parent)]
-    assert still == []
+    deadline = time.monotonic() + 10.0
+    while _processes_in(started.parent) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert _processes_in(started.parent) == []
+
+
+def _processes_in(folder):
+    return [p for p in Path("/proc").glob("[0-9]*/cwd") if _leads_to(p, folder)]
 
 
 def _leads_to(link, folder):

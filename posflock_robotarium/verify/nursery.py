@@ -10,6 +10,7 @@ its process group, when it has not stepped for too long, or has used up its time
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import faulthandler
 import importlib
 import json
@@ -19,6 +20,7 @@ import re
 import signal
 import sys
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -30,6 +32,9 @@ from posflock_robotarium.verify.trial import (
     read_pulse,
     run_trial,
 )
+
+#: Signals that end the nursery.
+_ENDING = (signal.SIGINT, signal.SIGTERM)
 
 
 @dataclass
@@ -51,7 +56,8 @@ def serve(request: dict[str, Any]) -> None:
     try:
         while waiting or children:
             while waiting and len(children) < request["jobs"]:
-                children.append(_fork(waiting.pop(0)))
+                with _signals_held():  # no child may be born that nobody knows of
+                    children.append(_fork(waiting.pop(0)))
             time.sleep(0.01)
             for child in list(children):
                 why = _overdue(child, request["stall"], request["seconds"])
@@ -75,8 +81,10 @@ def _fork(plan: TrialPlan) -> _Child:
     pulse = open_pulse(results)
     pid = os.fork()
     if pid == 0:
+        _die_with_parent()
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
         os.setpgid(0, 0)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, _ENDING)
         with open(results / "where.txt", "w") as where:
             faulthandler.register(signal.SIGUSR1, where, all_threads=False)
             run_trial(plan)
@@ -84,6 +92,22 @@ def _fork(plan: TrialPlan) -> _Child:
     with contextlib.suppress(OSError):
         os.setpgid(pid, pid)
     return _Child(pid, plan, pulse, time.time())
+
+
+@contextlib.contextmanager
+def _signals_held() -> Iterator[None]:
+    """Let signals that end this process wait until the block is done."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, _ENDING)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _die_with_parent() -> None:
+    """Have the kernel end this process with its parent, even one that is killed (Linux only)."""
+    with contextlib.suppress(OSError, AttributeError):
+        ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG
 
 
 def _overdue(child: _Child, stall: float, seconds: float) -> str | None:
