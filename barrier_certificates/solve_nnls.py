@@ -64,5 +64,26 @@ def solve(
             return None
         point = target - residual[:-1] * (scale / residual[-1])
         if (matrix @ point - bound).max() <= max(_BROKEN, 1e-14 * worst):
-            break
+            return point
+    np.divide(excess, worst, out=system[-1])
+    residual = system @ _bounded(system, aim) - aim
+    if math.sqrt(residual @ residual) < _NO_RESIDUAL or residual[-1] == 0.0:
+        return None
+    last: FloatArray = target - residual[:-1] * (worst / residual[-1])
+    if point is None or (matrix @ last - bound).max() < (matrix @ point - bound).max():
+        return last
     return point
+
+
+def _bounded(system: FloatArray, aim: FloatArray) -> FloatArray:
+    """Solve the same problem by bounded least squares: slower, and at ease with dependent rows.
+
+    scipy's non-negative least squares before 1.16 goes astray where more rows bind than there
+    are velocities, as in a corner of the arena.
+    """
+    from scipy.optimize import lsq_linear
+
+    weights: FloatArray = lsq_linear(
+        system, aim, bounds=(0.0, np.inf), method="bvls", tol=1e-15, max_iter=10 * system.shape[1]
+    ).x
+    return weights

@@ -1,7 +1,6 @@
 """What can be read off a source, case by case."""
 
 import ast
-import sys
 from pathlib import Path
 
 import pytest
@@ -39,9 +38,7 @@ def codes(tmp_path, text, generation=2, name="main_script.py"):
         ("try:\n    import rps\nexcept ImportError:\n    import rps_compat\n", []),
         ("import rps_compat\n", [("stand-in", 1)]),
         ("from . import helper\n", [("module-missing", 1)]),
-        ("import tomllib\n", [("module-missing", 1)])
-        if "tomllib" not in sys.stdlib_module_names
-        else ("import tomllib\n", [("newer-python", 1)]),
+        ("import tomllib\n", [("newer-python", 1)]),
         ("import numpy as np\nx = np.Inf\n", [("removed-from-numpy", 2)]),
         ("from numpy import product\n", [("removed-from-numpy", 1)]),
         # Files.
