@@ -57,6 +57,7 @@ def save(figure: Figure, folder: Path, name: str) -> list[Path]:
         folder.mkdir(parents=True, exist_ok=True)
         # No dates inside: the same run gives the same bytes.
         figure.savefig(paths[0], dpi=200, metadata={"Software": None})
+        figure.set_layout_engine("none")  # laid out once, and the same in both
         figure.savefig(paths[1], metadata={"CreationDate": None, "Producer": None})
     except OSError as error:
         raise OutputError(f"cannot write figures into {folder}: {error.strerror}") from error
