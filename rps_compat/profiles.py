@@ -33,7 +33,6 @@ from typing import Any
 
 import numpy as np
 
-from rps_compat import realism
 from rps_compat.draws import Curve, Draw, ProfileError
 from rps_compat.realism import EFFECTS, Profile
 
@@ -121,9 +120,9 @@ def profile_to_toml(profile: Profile) -> str:
 @cache
 def _settings(effect: str) -> tuple[type, dict[str, type]]:
     """Return an effect's class and the types of its parameters."""
-    union = typing.get_type_hints(Profile, vars(realism))[effect]
+    union = typing.get_type_hints(Profile)[effect]
     kind = next(option for option in typing.get_args(union) if option is not type(None))
-    return kind, typing.get_type_hints(kind, vars(realism))
+    return kind, typing.get_type_hints(kind)
 
 
 def _effect(effect: str, table: Any, where: str) -> Any:

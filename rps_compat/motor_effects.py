@@ -1,0 +1,329 @@
+"""Imperfections between a command and the motion: radio, motor controller, wheels, floor.
+
+Each is a frozen dataclass that says how large the effect is. Its ``begin`` draws a run's numbers
+and returns a function of one step, so that all that a run remembers (a queue of late commands, a
+filter's state) lives in that function and a profile can be used for any number of runs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rps_compat.arena import GRITSBOT_X
+from rps_compat.draws import FLAT, ONE, Curve, Draw, require
+
+Array = NDArray[np.float64]
+#: Takes commands (2, N) and each robot's seconds since its last command (N,), which it may
+#: change in place; gives the commands (2, N) handed on.
+MotorStage = Callable[[Array, Array], Array]
+
+#: The GTernal firmware switches its motors off below both.
+OFF_SPEED, OFF_TURN = 1e-4, 0.01
+
+
+class MotorEffect(Protocol):
+    """An imperfection between command and motion."""
+
+    def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
+        """Draw this run's numbers and return what one step does."""
+
+
+@dataclass(frozen=True)
+class CommandLoss:
+    """A command misses its robot, which goes on with the last that arrived.
+
+    Attributes
+    ----------
+    probability : float
+        Of each command to each robot, from 0 to 1.
+    """
+
+    probability: float
+
+    def __post_init__(self) -> None:
+        require(0 <= self.probability <= 1, "command_loss.probability", self.probability, "0 to 1")
+
+    def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
+        """Start with robots that stand still and have heard nothing."""
+        held, silence = np.zeros((2, robots)), np.zeros(robots)
+
+        def lose(velocities: Array, age: Array) -> Array:
+            arrived = (age == 0) & (rng.random(robots) >= self.probability)
+            held[:, arrived] = velocities[:, arrived]
+            silence[:] = np.where(arrived, 0.0, silence + time_step)
+            age[:] = silence
+            out: Array = held.copy()
+            return out
+
+        return lose
+
+
+@dataclass(frozen=True)
+class Watchdog:
+    """A robot brakes that has heard no command for a while.
+
+    Attributes
+    ----------
+    seconds : float
+        Of silence; the testbed brakes after 0.5.
+    """
+
+    seconds: float = 0.5
+
+    def __post_init__(self) -> None:
+        require(self.seconds > 0, "watchdog.seconds", self.seconds, "more than 0 s")
+
+    def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
+        """Start with no silence."""
+
+        def brake(velocities: Array, age: Array) -> Array:
+            silent = age >= self.seconds
+            return _stopped(velocities, silent)
+
+        return brake
+
+
+@dataclass(frozen=True)
+class DeadTime:
+    """A command takes effect only some time after it was given.
+
+    The delay is any number of seconds: in the step in which a command takes over, old and new
+    share the step in proportion.
+
+    Attributes
+    ----------
+    seconds : Draw
+        Per robot.
+    by_speed : Curve
+        Factor on it, at the commanded forward speed in m/s.
+    """
+
+    seconds: Draw
+    by_speed: Curve = FLAT
+
+    def __post_init__(self) -> None:
+        self.seconds.require_at_least(0.0, "dead_time.seconds")
+
+    def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
+        """Draw each robot's dead time; the past is standing still."""
+        steps = self.seconds.draw(robots, rng) / time_step
+        length = int(np.ceil(steps.max(initial=0.0) * self.by_speed.largest)) + 2
+        past = np.zeros((length, 2, robots))
+        now, each = -1, np.arange(robots)
+
+        def delay(velocities: Array, age: Array) -> Array:
+            nonlocal now
+            now = (now + 1) % length
+            past[now] = velocities
+            late = steps * self.by_speed(np.abs(velocities[0]))
+            whole = late.astype(int)
+            share = late - whole
+            newer = past[(now - whole) % length, :, each].T
+            older = past[(now - whole - 1) % length, :, each].T
+            out: Array = share * older + (1 - share) * newer
+            return out
+
+        return delay
+
+
+@dataclass(frozen=True)
+class DeadBand:
+    """Motors stay off for commands below both thresholds.
+
+    Attributes
+    ----------
+    speed : float
+        Of |v|, m/s.
+    turn : float
+        Of |ω|, rad/s.
+    """
+
+    speed: float = OFF_SPEED
+    turn: float = OFF_TURN
+
+    def __post_init__(self) -> None:
+        require(self.speed >= 0, "dead_band.speed", self.speed, "0 m/s or more")
+        require(self.turn >= 0, "dead_band.turn", self.turn, "0 rad/s or more")
+
+    def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
+        """Nothing to remember."""
+
+        def rest(velocities: Array, age: Array) -> Array:
+            off = (np.abs(velocities[0]) < self.speed) & (np.abs(velocities[1]) < self.turn)
+            return _stopped(velocities, off)
+
+        return rest
+
+
+@dataclass(frozen=True)
+class Gains:
+    """Robots drive and turn a little faster or slower than they are told.
+
+    Attributes
+    ----------
+    speed, turn : Draw
+        Factors on v and ω, per robot.
+    by_speed, by_turn : Curve
+        Further factors, at the commanded |v| in m/s and |ω| in rad/s.
+    """
+
+    speed: Draw = ONE
+    turn: Draw = ONE
+    by_speed: Curve = FLAT
+    by_turn: Curve = FLAT
+
+    def __post_init__(self) -> None:
+        self.speed.require_at_least(0.0, "gains.speed")
+        self.turn.require_at_least(0.0, "gains.turn")
+
+    def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
+        """Draw each robot's two gains."""
+        speed, turn = self.speed.draw(robots, rng), self.turn.draw(robots, rng)
+
+        def scale(velocities: Array, age: Array) -> Array:
+            out = np.empty_like(velocities)
+            out[0] = speed * self.by_speed(np.abs(velocities[0])) * velocities[0]
+            out[1] = turn * self.by_turn(np.abs(velocities[1])) * velocities[1]
+            return out
+
+        return scale
+
+
+@dataclass(frozen=True)
+class Lag:
+    """Speeds approach what is commanded exponentially.
+
+    The step is integrated exactly: what is handed on is the mean velocity over it.
+
+    Attributes
+    ----------
+    seconds : Draw
+        Time constant, per robot.
+    by_speed : Curve
+        Factor on it, at the commanded forward speed in m/s.
+    """
+
+    seconds: Draw
+    by_speed: Curve = FLAT
+
+    def __post_init__(self) -> None:
+        self.seconds.require_at_least(0.0, "lag.seconds")
+
+    def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
+        """Draw each robot's time constant; start at rest."""
+        base = self.seconds.draw(robots, rng)
+        state = np.zeros((2, robots))
+
+        def follow(velocities: Array, age: Array) -> Array:
+            ratio = np.maximum(base * self.by_speed(np.abs(velocities[0])) / time_step, 1e-9)
+            left = np.exp(-1 / ratio)
+            gap = state - velocities
+            state[:] = velocities + left * gap
+            out: Array = velocities + ratio * (1 - left) * gap
+            return out
+
+        return follow
+
+
+@dataclass(frozen=True)
+class WheelSlew:
+    """A wheel cannot change its speed faster than its motor allows.
+
+    Attributes
+    ----------
+    limit : float
+        Largest change of a wheel's speed, rad/s².
+    """
+
+    limit: float
+
+    def __post_init__(self) -> None:
+        require(self.limit > 0, "wheel_slew.limit", self.limit, "more than 0 rad/s²")
+
+    def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
+        """Start at rest."""
+        # Both wheels, times R: v ∓ ω L/2.
+        change = self.limit * time_step * GRITSBOT_X.wheel_radius
+        half = GRITSBOT_X.base_length / 2
+        rim = np.zeros((2, robots))
+
+        def slew(velocities: Array, age: Array) -> Array:
+            v, w = velocities[0], half * velocities[1]
+            rim[:] += np.clip(np.stack([v - w, v + w]) - rim, -change, change)
+            return np.stack([(rim[0] + rim[1]) / 2, (rim[1] - rim[0]) / (2 * half)])
+
+        return slew
+
+
+@dataclass(frozen=True)
+class TurnBias:
+    """A robot that is told to drive straight drives a wide curve.
+
+    Attributes
+    ----------
+    rate : Draw
+        rad/s, per robot and run, while the motors are on.
+    """
+
+    rate: Draw
+
+    def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
+        """Draw each robot's bias."""
+        rate = self.rate.draw(robots, rng)
+
+        def turn(velocities: Array, age: Array) -> Array:
+            out: Array = velocities.copy()
+            out[1] += np.where(_on(velocities), rate, 0.0)
+            return out
+
+        return turn
+
+
+@dataclass(frozen=True)
+class Disturbance:
+    """What the model does not explain: white noise on both velocities while the motors are on.
+
+    Attributes
+    ----------
+    speed, turn : float
+        Standard deviations per step, m/s and rad/s.
+    """
+
+    speed: float = 0.0
+    turn: float = 0.0
+
+    def __post_init__(self) -> None:
+        require(self.speed >= 0, "disturbance.speed", self.speed, "0 m/s or more")
+        require(self.turn >= 0, "disturbance.turn", self.turn, "0 rad/s or more")
+
+    def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
+        """Nothing to draw before the first step."""
+        scale = np.array([[self.speed], [self.turn]])
+
+        def disturb(velocities: Array, age: Array) -> Array:
+            noise = scale * rng.standard_normal((2, robots))
+            return velocities + np.where(_on(velocities), noise, 0.0)
+
+        return disturb
+
+
+def _stopped(velocities: Array, which: NDArray[np.bool_]) -> Array:
+    """Return velocities (2, N) with those of robots `which` (N,) set to zero."""
+    if not which.any():
+        return velocities
+    out: Array = velocities.copy()
+    out[:, which] = 0.0
+    return out
+
+
+def _on(velocities: Array) -> NDArray[np.bool_]:
+    """Whose motors turn, (N,), at velocities (2, N)."""
+    on: NDArray[np.bool_] = (np.abs(velocities[0]) >= OFF_SPEED) | (
+        np.abs(velocities[1]) >= OFF_TURN
+    )
+    return on
