@@ -36,3 +36,7 @@ class WrongArgumentError(WrongGenerationError, TypeError):
 
 class UnreachableError(RobotariumError, RuntimeError):
     """The robots could not be driven to the initial conditions; the message says which and why."""
+
+
+class ScriptError(RobotariumError, OSError):
+    """The script cannot be run at all: not found, not Python, a folder that cannot be written."""

@@ -7,34 +7,38 @@ demand let the script run as fast as it computes. However it ends, by itself, by
 Ctrl-C or by the time limit, the log is closed and a report written.
 """
 
-import builtins
 import contextlib
 import json
 import math
 import os
 import random
 import runpy
-import signal
 import sys
-import threading
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import FrameType
 from typing import Any, Literal, Protocol
 
 import numpy as np
 
 from rps_compat.arena import Arena, Array, Realism
 from rps_compat.clock import SimulatedClock
-from rps_compat.errors import RobotariumError
+from rps_compat.errors import RobotariumError, ScriptError
 from rps_compat.film import Film
 from rps_compat.generations import Evidence, evidence_in
 from rps_compat.install import Api, install, installed, uninstall
 from rps_compat.old_numpy import old_numpy_names
 from rps_compat.report import RunReport, report_on
 from rps_compat.session import Initial, Session
+from rps_compat.surroundings import (
+    OutOfTime,
+    answering,
+    forget_modules_of,
+    has_display,
+    headless_matplotlib,
+    time_limit,
+)
 
 Ended = Literal["finished", "failed", "interrupted", "timeout"]
 #: Exit codes of a run that the script does not end itself, as shells have them.
@@ -43,16 +47,8 @@ EXIT_CODES: dict[Ended, int] = {"finished": 0, "failed": 1, "interrupted": 130, 
 TOLD = 5
 
 
-class ScriptError(RobotariumError, OSError):
-    """The script cannot be run at all: not found, not Python, a folder that cannot be written."""
-
-
 class SettingsError(RobotariumError, ValueError):
     """A time limit, a snapshot's time or a seed outside its range."""
-
-
-class OutOfTime(BaseException):
-    """The time limit of a run is over; not an Exception, so that scripts do not swallow it."""
 
 
 class RunRecorder(Protocol):
@@ -203,13 +199,6 @@ class RunResult:
         return str(path)
 
 
-def has_display() -> bool:
-    """Whether a window could be opened here."""
-    if sys.platform in ("win32", "darwin"):
-        return True
-    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
-
-
 def run_script(
     script: Path, arguments: Sequence[str] = (), settings: RunSettings | None = None
 ) -> RunResult:
@@ -309,8 +298,8 @@ class _Run:
             around.enter_context(old_numpy_names())
             if self.headless:
                 around.enter_context(self.clock.in_force())
-                around.enter_context(_headless_matplotlib())
-                around.enter_context(_answering(settings.answers))
+                around.enter_context(headless_matplotlib())
+                around.enter_context(answering(settings.answers))
             ended, reason, exit_code = self._execute()
             self.film.end(self.watches[0].instance if self.watches else None)
         return self._finish(ended, reason, exit_code)
@@ -354,11 +343,11 @@ class _Run:
             random.setstate(randomness[0])
             np.random.set_state(randomness[1])  # noqa: NPY002
             uninstall() if api is None else install(api)
-            _forget_modules_of(self.script.parent, modules)
+            forget_modules_of(self.script.parent, modules)
 
     def _execute(self) -> tuple[Ended, str, int]:
         try:
-            with _time_limit(self.settings.timeout):
+            with time_limit(self.settings.timeout):
                 runpy.run_path(str(self.script), run_name="__main__")
         except SystemExit as left:
             return _exit_of(left)
@@ -423,78 +412,6 @@ def _print_traceback(error: BaseException, script: Path) -> None:
     while frames is not None and frames.tb_frame.f_code.co_filename != str(script):
         frames = frames.tb_next
     traceback.print_exception(type(error), error, frames or error.__traceback__)
-
-
-def _forget_modules_of(folder: Path, known: set[str]) -> None:
-    """Drop modules that the script imported from its own `folder`: the next script has its own."""
-    for name in set(sys.modules) - known:
-        source = getattr(sys.modules[name], "__file__", None)
-        if source and Path(source).parent == folder:
-            del sys.modules[name]
-
-
-@contextlib.contextmanager
-def _headless_matplotlib() -> Iterator[None]:
-    """Draw on demand, whatever window system the script asks matplotlib for."""
-    import matplotlib as mpl
-    from matplotlib import pyplot as plt
-
-    figures, backend, use, switch = (
-        plt.get_fignums(),
-        mpl.get_backend(),
-        mpl.use,
-        plt.switch_backend,
-    )
-    switch("module://rps_compat.headless_backend")
-    mpl.use = plt.switch_backend = lambda *args, **kwargs: None  # type: ignore[assignment]
-    try:
-        yield
-    finally:
-        for number in set(plt.get_fignums()) - set(figures):
-            plt.close(number)
-        mpl.use, plt.switch_backend = use, switch
-        switch(backend)
-
-
-@contextlib.contextmanager
-def _answering(answers: Sequence[str]) -> Iterator[None]:
-    """Answer ``input()`` from `answers`, then with empty lines; show what was asked."""
-    left, asked = iter(answers), builtins.input
-
-    def answer(prompt: object = "", /) -> str:
-        reply = next(left, "")
-        print(f"{prompt}{reply}")
-        return reply
-
-    builtins.input = answer
-    try:
-        yield
-    finally:
-        builtins.input = asked
-
-
-@contextlib.contextmanager
-def _time_limit(seconds: float | None) -> Iterator[None]:
-    """Raise OutOfTime in the script after `seconds` of real time."""
-    if seconds is None or not math.isfinite(seconds):
-        yield
-        return
-    if threading.current_thread() is not threading.main_thread() or not hasattr(
-        signal, "setitimer"
-    ):
-        raise ScriptError("a time limit needs the main thread of a POSIX system")
-
-    def stop(number: int, frame: FrameType | None) -> None:
-        raise OutOfTime
-
-    before = signal.signal(signal.SIGALRM, stop)
-    # Repeated, because a bare `except:` in the script may swallow the first.
-    signal.setitimer(signal.ITIMER_REAL, seconds, 0.25)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
 
 
 def summary(result: RunResult) -> str:

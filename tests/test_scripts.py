@@ -14,7 +14,8 @@ from posflock_robotarium.cli import app
 from posflock_robotarium.errors import ParameterError
 from posflock_robotarium.poselog import read_log
 from posflock_robotarium.recording import open_pose_log
-from rps_compat.runner import RunSettings, ScriptError, SettingsError, run_script, summary
+from rps_compat.errors import ScriptError
+from rps_compat.runner import RunSettings, SettingsError, run_script, summary
 
 SCRIPTS = Path(__file__).parent / "scripts"
 
