@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks.calibration import simulated_testbed
-from posflock_robotarium.calibrate import Estimate, calibrate, delayed, resimulate, write_log
+from posflock_robotarium.calibration import Estimate, calibrate, delayed, resimulate, write_log
 from posflock_robotarium.errors import LogError
 from posflock_robotarium.poselog import Log, read_log
 from rps_compat.arena import Arena

@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from benchmarks.calibration import simulated_testbed
-from posflock_robotarium.calibrate import write_log
+from posflock_robotarium.calibration import write_log
 from posflock_robotarium.cli import app
 from posflock_robotarium.errors import LogError, PosflockError
 from rps_compat.errors import RobotariumError

@@ -36,9 +36,9 @@ def calibrate(
 
     posflock compare back/nine_robots.npy again.npy
     """
-    from posflock_robotarium.calibrate import calibrate as fit
-    from posflock_robotarium.calibrate import read_commanded, write_log, write_profile
-    from posflock_robotarium.calibrate import resimulate as simulate
+    from posflock_robotarium.calibration import calibrate as fit
+    from posflock_robotarium.calibration import read_commanded, write_log, write_profile
+    from posflock_robotarium.calibration import resimulate as simulate
 
     read = read_commanded(log)
     found = fit(read)

@@ -103,7 +103,7 @@ def _resimulated(runs: list[Path], profile: str | None) -> "Iterator[list[Path]]
         return
     import tempfile
 
-    from posflock_robotarium.calibrate import calibrate, read_commanded, resimulate, write_log
+    from posflock_robotarium.calibration import calibrate, read_commanded, resimulate, write_log
     from rps_compat.profiles import load_profile
 
     with tempfile.TemporaryDirectory(prefix="posflock-compare-") as folder:
