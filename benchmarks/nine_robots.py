@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from posflock_robotarium.flock import Flock
+from posflock_robotarium.paper.robots import Noise
 from posflock_robotarium.placement import random_poses
 from posflock_robotarium.poselog import PoseLog
 from posflock_robotarium.summary import Summary, summarise
@@ -25,24 +26,6 @@ from rps_compat.arena import Arena, Array
 
 DURATION = 120.0
 WHEEL_LIMIT = 12.5
-
-
-class NoisyRobots:
-    """10 % of every commanded speed and 1 mm of every tracked coordinate are chance."""
-
-    def reset(self, poses: Array, time_step: float, rng: np.random.Generator) -> None:
-        """Begin a run."""
-        self._rng = rng
-
-    def actuate(self, velocities: Array, poses: Array, time: float) -> Array:
-        """Return what is really driven."""
-        return np.asarray(velocities * self._rng.normal(1.0, 0.10, velocities.shape))
-
-    def observe(self, poses: Array) -> Array:
-        """Return what tracking reports."""
-        seen = poses.copy()
-        seen[:2] += self._rng.normal(0.0, 0.001, seen[:2].shape)
-        return seen
 
 
 def start_of(seed: int) -> Array:
@@ -58,7 +41,7 @@ def study(seeds: int, walls: str = "steer", noisy: bool = False) -> list[Summary
                 Flock(walls=walls),
                 start_of(seed),
                 DURATION,
-                realism=NoisyRobots() if noisy else None,
+                realism=Noise() if noisy else None,
                 seed=seed,
             ).truth()
         )

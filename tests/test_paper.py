@@ -13,7 +13,8 @@ from posflock_robotarium.drawing import new_figure, save
 from posflock_robotarium.errors import OutputError, ParameterError
 from posflock_robotarium.freespace import FreeSpace, Model, simulate
 from posflock_robotarium.measures import measure, summarise
-from posflock_robotarium.paper.claims import CLAIMS, Claim, judge_all
+from posflock_robotarium.paper.claim import Claim
+from posflock_robotarium.paper.claims import CLAIMS, judge_all
 from posflock_robotarium.paper.evidence import gather
 from posflock_robotarium.paper.reproduction import reproduce
 

@@ -10,7 +10,8 @@ from pathlib import Path
 
 from posflock_robotarium.errors import OutputError
 from posflock_robotarium.freespace import FreeSpace
-from posflock_robotarium.paper.claims import Judgement, Verdict, judge_all
+from posflock_robotarium.paper.claim import Judgement, Verdict
+from posflock_robotarium.paper.claims import judge_all
 from posflock_robotarium.paper.evidence import Evidence, gather
 from posflock_robotarium.paper.tables import over_seeds, qualitative, varied
 

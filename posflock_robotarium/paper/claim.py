@@ -1,0 +1,103 @@
+"""A sentence of the paper that can be checked, and what becomes of it.
+
+A verdict is never written by hand.  A claim names one number, measured in the evidence,
+and two thresholds declared beside the sentence: at or beyond the first the claim *holds*,
+at or beyond the second it *holds weakly*, else it *does not hold*.  What is written by
+hand is only why a result comes out as it does, and it is shown only with the verdict that
+it explains.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+
+from posflock_robotarium.paper.evidence import Evidence
+
+Verdict = Literal["holds", "holds weakly", "does not hold"]
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A checkable sentence.
+
+    Attributes
+    ----------
+    id : str
+        Short name.
+    claim : str
+        The paper's words.
+    test : str
+        What is measured, in words.
+    measure : function of Evidence
+        The number.
+    unit : str
+        Of the number; empty for shares and cosines.
+    sense : {"at least", "at most"}
+        Which side of the thresholds the paper claims.
+    holds, weakly : float
+        The thresholds.
+    reasons : dict of verdict to str
+        Why, for the verdicts that need explaining.
+    """
+
+    id: str
+    claim: str
+    test: str
+    measure: Callable[[Evidence], float]
+    sense: Literal["at least", "at most"]
+    holds: float
+    weakly: float
+    unit: str = ""
+    reasons: Mapping[Verdict, str] = field(default_factory=dict)
+
+    def judge(self, evidence: Evidence) -> Judgement:
+        """Measure, and compare with the thresholds."""
+        value = float(self.measure(evidence))
+        return Judgement(self, value, self._verdict(value))
+
+    def _verdict(self, value: float) -> Verdict:
+        # A number that could not be measured (NaN) compares as false: nothing holds.
+        sign = 1.0 if self.sense == "at least" else -1.0
+        if sign * value >= sign * self.holds:
+            return "holds"
+        return "holds weakly" if sign * value >= sign * self.weakly else "does not hold"
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What became of a claim."""
+
+    claim: Claim
+    value: float
+    verdict: Verdict
+
+    @property
+    def reason(self) -> str:
+        """The comparison that made the verdict, and why where that is known."""
+        claim, unit = self.claim, f" {self.claim.unit}" if self.claim.unit else ""
+        compared = (
+            f"Measured {self.value:.3g}{unit}; holds {claim.sense} {claim.holds:g}{unit},"
+            f" weakly {claim.sense} {claim.weakly:g}{unit}."
+        )
+        return " ".join([compared, claim.reasons.get(self.verdict, "")]).strip()
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the judgement for ``claims.json``; a value that is not finite becomes null."""
+        return {
+            "id": self.claim.id,
+            "claim": self.claim.claim,
+            "test": self.claim.test,
+            "value": self.value if np.isfinite(self.value) else None,
+            "unit": self.claim.unit,
+            "thresholds": {
+                "sense": self.claim.sense,
+                "holds": self.claim.holds,
+                "holds weakly": self.claim.weakly,
+            },
+            "verdict": self.verdict,
+            "reason": self.reason,
+        }
