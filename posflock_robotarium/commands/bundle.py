@@ -31,6 +31,8 @@ def bundle(
     What will stop it on the testbed all the same, such as names of generation 1 of the API, is a
     warning. Exit code 0, or 2 with the reason and the way out where it cannot be laid flat.
 
+    [bold]Examples[/bold]
+
         posflock bundle experiments/robotarium_9bot.py -o upload
 
         posflock bundle main.py -o upload --data goals.npy --no-run
@@ -100,6 +102,8 @@ def rehearse(
 
     The environment is built once and cached. Exit code 0 when the run ended by itself or by the
     declared duration, without a collision, and its files can be opened; 1 when not.
+
+    [bold]Examples[/bold]
 
         posflock rehearse upload -o back --duration 320
     """

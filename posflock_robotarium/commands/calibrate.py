@@ -28,13 +28,15 @@ def calibrate(
 ) -> None:
     """Fit dead time, lag, gains, bias and noise to a log, and write them as a realism profile.
 
-    posflock calibrate back/nine_robots.npy -o lab.toml
+    [bold]Examples[/bold]
 
-    posflock verify main.py --profile lab.toml
+        posflock calibrate back/nine_robots.npy -o lab.toml
 
-    posflock calibrate back/nine_robots.npy -o lab.toml --resimulate again.npy
+        posflock verify main.py --profile lab.toml
 
-    posflock compare back/nine_robots.npy again.npy
+        posflock calibrate back/nine_robots.npy -o lab.toml --resimulate again.npy
+
+        posflock compare back/nine_robots.npy again.npy
     """
     from posflock_robotarium.calibration import calibrate as fit
     from posflock_robotarium.calibration import read_commanded, write_log, write_profile

@@ -19,12 +19,12 @@ def reproduce(
 ) -> None:
     """Recompute every figure, table and checkable sentence of the paper, and say which hold.
 
-    For example, on seeds that nobody has looked at yet:
-
-    [bold]posflock reproduce --seeds 40 --first-seed 100 -o results/other-seeds[/bold]
-
     Writes claims.md, claims.json, tables.md, CSV tables, and figures/ as PDF and PNG.  A
     claim that does not hold is a finding, not an error: the exit code is 0.
+
+    [bold]Examples[/bold]
+
+        posflock reproduce --seeds 40 --first-seed 100 -o results/other-seeds
     """
     import json
     import sys

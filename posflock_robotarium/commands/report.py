@@ -70,11 +70,13 @@ def report(
     Writes report.html (one file, works offline), figures/, metrics.csv, summary.json and the
     analysis itself. Several logs are several runs: they are overlaid and averaged.
 
+    Exit code 0 when the report was written, 2 when a log cannot be read.
+
+    [bold]Examples[/bold]
+
         posflock report results/nine_robots.npy -o report
 
         posflock report poses.mat --dt 0.033 --radius 0.75 -o report --latex
-
-    Exit code 0 when the report was written, 2 when a log cannot be read.
     """
     from posflock_robotarium.report.outputs import write_report
 
@@ -157,13 +159,15 @@ def compare(
 ) -> None:
     """Put runs side by side: every number, mean and 95 % interval, differences.
 
+    Exit code 0, or 2 when a run cannot be read.
+
+    [bold]Examples[/bold]
+
         posflock compare simulated.npy returned.npy --labels simulation,testbed
 
         posflock compare seed-*/nine_robots.npy -o comparison
 
         posflock compare returned.npy --resimulate calibrated -o comparison
-
-    Exit code 0, or 2 when a run cannot be read.
     """
     from posflock_robotarium.report.comparison import compare as compare_runs
 
@@ -204,9 +208,11 @@ def replay(
 ) -> None:
     """Film a run from above.
 
-    posflock replay results/nine_robots.npy --video run.mp4
+    [bold]Examples[/bold]
 
-    posflock replay results/nine_robots.npy --video run.gif --speed 8
+        posflock replay results/nine_robots.npy --video run.mp4
+
+        posflock replay results/nine_robots.npy --video run.gif --speed 8
     """
     from posflock_robotarium.commands.terminal import progress
     from posflock_robotarium.report import read
@@ -239,7 +245,9 @@ def convert(
 ) -> None:
     """Write a log in another tool's format.
 
-    posflock convert results/nine_robots.npy --to mcap -o nine_robots.mcap
+    [bold]Examples[/bold]
+
+        posflock convert results/nine_robots.npy --to mcap -o nine_robots.mcap
     """
     from posflock_robotarium.errors import ParameterError
     from posflock_robotarium.report import read

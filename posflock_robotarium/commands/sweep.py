@@ -25,14 +25,14 @@ def sweep(
     Started again, a sweep computes only what is missing, whatever ended it; all of it, where
     the code behind the experiment has changed.
 
-    For example, here, and on a cluster:
-
-    [bold]posflock sweep experiments/studies/noise.toml[/bold]
-
-    [bold]posflock sweep experiments/studies/noise.toml --scheduler tcp://10.0.0.1:8786[/bold]
-
     Writes results.csv, results.parquet, summary.csv and figures/; the finished runs are in
     store/.
+
+    [bold]Examples[/bold]
+
+        posflock sweep experiments/studies/noise.toml
+
+        posflock sweep experiments/studies/noise.toml --scheduler tcp://10.0.0.1:8786
     """
     import json
     from contextlib import nullcontext

@@ -46,6 +46,8 @@ def verify(
     Exit code 0 is PASS, 1 is RISK, 2 is FAIL. 2 is also an error before there was a verdict, such
     as no such script: then one line on standard error and nothing on standard output.
 
+    [bold]Examples[/bold]
+
         posflock verify experiments/robotarium_9bot.py
 
         posflock verify main.py --duration 300 -o results/verify
@@ -129,7 +131,9 @@ def profile(
 ) -> None:
     """Print a realism profile as TOML, to copy and edit.
 
-    posflock profile gritsbot_x > lab.toml
+    [bold]Examples[/bold]
+
+        posflock profile gritsbot_x > lab.toml
     """
     from rps_compat.profiles import load_profile, profile_text
 
