@@ -28,6 +28,8 @@ def calibrate(
 ) -> None:
     """Fit dead time, lag, gains, bias and noise to a log, and write them as a realism profile.
 
+    Exit code 0, or 2 with the reason when the log cannot be read or does not tell enough.
+
     [bold]Examples[/bold]
 
         posflock calibrate back/nine_robots.npy -o lab.toml

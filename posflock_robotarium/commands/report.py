@@ -208,6 +208,8 @@ def replay(
 ) -> None:
     """Film a run from above.
 
+    Exit code 0, or 2 with the reason when the log cannot be read.
+
     [bold]Examples[/bold]
 
         posflock replay results/nine_robots.npy --video run.mp4
@@ -244,6 +246,8 @@ def convert(
     array: Array = None,
 ) -> None:
     """Write a log in another tool's format.
+
+    Exit code 0, or 2 with the reason when the log cannot be read.
 
     [bold]Examples[/bold]
 

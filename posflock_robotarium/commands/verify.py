@@ -131,6 +131,8 @@ def profile(
 ) -> None:
     """Print a realism profile as TOML, to copy and edit.
 
+    Exit code 0, or 2 when there is no such profile.
+
     [bold]Examples[/bold]
 
         posflock profile gritsbot_x > lab.toml
