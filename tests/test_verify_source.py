@@ -29,6 +29,7 @@ def codes(tmp_path, text, generation=2, name="main_script.py"):
         ("from matplotlib.pyplot import show as s\ns()\n", [("blocking-call", 2)]),
         ("from rps.robotarium import *\nplt.show()\n", [("blocking-call", 2)]),
         ("breakpoint()\n", [("blocking-call", 1)]),
+        ("import builtins\nbuiltins.input()\n", [("blocking-call", 2)]),
         # Libraries: there, not there, caught, never run.
         ("import cvxopt, cv2, yaml, sklearn.cluster\n", []),
         ("import osqp\n", [("library-absent", 1)]),

@@ -19,8 +19,10 @@ _OLD_UTILITIES = {old: new or "" for old, new in FUNCTIONS.items()}
 _NEW_UTILITIES = dict.fromkeys(NEW_FUNCTIONS, "") | {
     new: old for old, new in reversed(FUNCTIONS.items()) if new
 }
-#: Attributes of the Robotarium object that are telling enough to be looked for on any name.
-_TELLING = ("call_at_scripts_end", "debug")
+#: Attributes of the Robotarium object that are called.
+_METHODS = ("call_at_scripts_end", "debug")
+#: The one among its attributes that nobody else has, whatever the name before the dot.
+_UNMISTAKABLE = "call_at_scripts_end"
 _NEW_ATTRIBUTES = {new: old for old, new in RENAMED.items()}
 
 
@@ -60,8 +62,9 @@ def wrong_names(tree: ast.Module, generation: int) -> Iterator[tuple[int, str, s
                 yield node.lineno, node.id, functions[node.id]
         elif isinstance(node, ast.Attribute) and node.attr not in probed:
             on = ast.unparse(node.value)
-            if node.attr in attributes and (on in instances or _field(on) in fields):
-                call = "()" if node.attr in _TELLING else ""
+            surely = node.attr == _UNMISTAKABLE and node.attr not in own
+            if node.attr in attributes and (surely or on in instances or _field(on) in fields):
+                call = "()" if node.attr in _METHODS else ""
                 yield node.lineno, node.attr, attributes[node.attr] + call
             elif node.attr in functions and on.split(".")[0] in _modules(tree):
                 yield node.lineno, node.attr, functions[node.attr]

@@ -49,7 +49,7 @@ def judge(
     runs = [ideal, *trials]
     found = [
         *_endings(ideal.outcome, [t.outcome for t in trials], known),
-        *_deeds(runs),
+        *_deeds(runs, known),
     ]
     if ideal.outcome.steps:
         found += _robots(ideal.outcome, known)
@@ -181,18 +181,20 @@ def _robots(ideal: Outcome, known: Sequence[Finding]) -> Iterator[Finding]:
         )
 
 
-def _deeds(runs: Sequence[Ran]) -> Iterator[Finding]:
-    """Tell of writing elsewhere, of other processes, of the network."""
+def _deeds(runs: Sequence[Ran], known: Sequence[Finding]) -> Iterator[Finding]:
+    """Tell of writing elsewhere, of other processes, of the network, of questions."""
     advice = {
         "outside-write": "write into the working folder: only those files come back",
         "fork": "do the work in one process",
         "network": "upload what it needs as files",
+        "blocking-call": "remove it",
     }
-    told = set()
+    told = {finding.code for finding in known}
     words = {
         "outside-write": "writes outside its own folder",
         "fork": "starts or ends other processes",
         "network": "uses the network",
+        "blocking-call": "waits for somebody, and on the testbed nobody is there",
     }
     for run in runs:
         for deed in run.outcome.deeds:
@@ -203,7 +205,8 @@ def _deeds(runs: Sequence[Ran]) -> Iterator[Finding]:
             yield Finding(
                 kind,
                 Verdict.RISK if kind == "network" else Verdict.FAIL,
-                f"{words[kind]} ({deed['what'][:120]}); it was stopped",
+                f"{words[kind]} ({deed['what'][:120]})"
+                + ("; it was stopped" if kind != "blocking-call" else ""),
                 advice[kind],
                 line=deed["line"],
                 time=deed["time"] or None,

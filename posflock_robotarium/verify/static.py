@@ -59,6 +59,7 @@ _WRITERS = frozenset(
 _WRITING_METHODS = frozenset(["tofile", "savefig", "write_text", "write_bytes", "to_csv"])
 _BLOCKING = {
     "input": "waits for a key",
+    "builtins.input": "waits for a key",
     "breakpoint": "waits for a debugger",
     "pdb.set_trace": "waits for a debugger",
     "getpass.getpass": "waits for a password",

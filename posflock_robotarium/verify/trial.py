@@ -138,7 +138,7 @@ class Outcome:
         ``type``, ``message``, ``missing`` (a file that it reads), ``line``, ``file``, ``lines``
         (of the script, in the traceback).
     deeds : list of dict
-        Forbidden things: ``kind`` (outside-write, fork, network), ``what``, ``line``, ``time``.
+        Forbidden things: ``kind`` (a finding's code), ``what``, ``line``, ``time``.
     events : list
         Faults: kind, robots, first and last step, worst value.
     """
@@ -369,13 +369,13 @@ def _run(plan: TrialPlan, outcome: Outcome, pulse: mmap.mmap, deeds: int) -> Non
     sys.argv = [plan.script]
     sys.path[:0] = [scratch, *plan.path]
     sys.dont_write_bytecode = True
-    builtins.input = lambda prompt="": ""
     random.seed(plan.seed)
     np.random.seed(plan.seed % 2**32)  # noqa: NPY002 - the script's stream, not ours
     rps_compat.install(api=plan.generation)
     _limit(plan.memory)
     guard = _Guard(scratch, deeds, watch)
     guard.install()
+    builtins.input = guard.answer
     _listen(watch, plan.generation)
     _run_guarded(plan, outcome, session, clock, watch, scratch)
     _describe(outcome, watch, plan)
@@ -490,6 +490,11 @@ class _Guard:
         deed = {"kind": kind, "what": what, "line": line, "file": file, "step": steps}
         os.write(self.deeds, (json.dumps(deed) + "\n").encode())
 
+    def answer(self, prompt: object = "") -> str:
+        """Stand in for ``input()``: nobody is there, which goes on record."""
+        self.record("blocking-call", "input()")
+        return ""
+
     def blame(self) -> tuple[int | None, str]:
         """Return the innermost line of the script's own files that is being run."""
         frame: FrameType | None = sys._getframe(2)
@@ -532,9 +537,15 @@ def _audit(event: str, arguments: tuple[Any, ...]) -> None:
     elif event in _PROCESS_EVENTS and guard.is_the_scripts():
         _refuse(guard, "fork", " ".join(str(a) for a in arguments[:2]) or event)
     elif event in _NETWORK_EVENTS and guard.is_the_scripts():
-        _refuse(guard, "network", " ".join(str(a) for a in arguments[1:]) or event)
+        _refuse(guard, "network", _address(event, arguments))
     elif event == "os.kill" and arguments[0] != os.getpid():
         _refuse(guard, "fork", f"kill {arguments[0]}")
+
+
+def _address(event: str, arguments: tuple[Any, ...]) -> str:
+    """Return whom a network event is about; sockets come first where there are any."""
+    about = arguments[:2] if event == "socket.getaddrinfo" else arguments[1:]
+    return " ".join(str(part) for part in about) or event
 
 
 def _refuse(guard: _Guard, kind: str, what: str) -> None:
