@@ -118,7 +118,7 @@ def _ending(
     kinds = error.get("kinds", [])
     if "ForbiddenError" in kinds:
         return None  # the deed is told of
-    place: dict[str, Any] = {"line": error.get("line"), "file": ""}
+    place: dict[str, Any] = {"line": error.get("line"), "file": error.get("file", "")}
     what = f"{error.get('type')}: {error.get('message')}".strip(": ")
     settings: dict[str, Any] = {
         **place,
@@ -209,6 +209,7 @@ def _deeds(runs: Sequence[Ran], known: Sequence[Finding]) -> Iterator[Finding]:
                 + ("; it was stopped" if kind != "blocking-call" else ""),
                 advice[kind],
                 line=deed["line"],
+                file=deed["file"],
                 time=deed["time"] or None,
             )
 
@@ -318,6 +319,7 @@ def _start(ideal: Outcome, drive: Outcome | None, known: Sequence[Finding]) -> I
             f"robots do not reach their initial conditions: {drive.error.get('message')}",
             "place them farther from walls and from each other",
             line=drive.error.get("line"),
+            file=drive.error.get("file", ""),
         )
 
 
