@@ -17,14 +17,22 @@ from __future__ import annotations
 import ast
 import importlib.machinery
 import importlib.util
+import operator
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from posflock_robotarium import testbed
 from posflock_robotarium.errors import PosflockError
 
+_COMPARISONS: dict[type[ast.cmpop], Callable[[Any, Any], bool]] = {
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+}
 _OURS = ("posflock_robotarium", "barrier_certificates")
 
 
@@ -244,8 +252,9 @@ def _walk(
             names = tuple(alias.name for alias in node.names)
             module = _absolute(node, package)
             yield Import(module, names, node.lineno, guarded, node.level > 0, lazy)
-        elif isinstance(node, ast.If) and _never_runs(node.test):
-            yield from _walk(node.orelse, package, guarded, lazy)
+        elif isinstance(node, ast.If) and _branch(node.test) is not None:
+            taken = node.body if _branch(node.test) else node.orelse
+            yield from _walk(taken, package, guarded, lazy)
         elif isinstance(node, ast.Try):
             catches = any(_catches_import_error(handler) for handler in node.handlers)
             yield from _walk(node.body, package, guarded or catches, lazy)
@@ -305,9 +314,33 @@ def _catches_import_error(handler: ast.ExceptHandler) -> bool:
     return bool(caught & {"ImportError", "ModuleNotFoundError", "Exception", "BaseException"})
 
 
-def _never_runs(test: ast.expr) -> bool:
+def run_on_the_testbed(node: ast.AST) -> Iterator[ast.AST]:
+    """Walk all below `node` but branches never taken there, and ``try`` bodies ready to fail."""
+    below: list[ast.AST] = list(ast.iter_child_nodes(node))
+    if isinstance(node, ast.If) and _branch(node.test) is not None:
+        below = list(node.body if _branch(node.test) else node.orelse)
+    elif isinstance(node, ast.Try) and any(_catches_import_error(h) for h in node.handlers):
+        below = [*node.handlers, *node.orelse, *node.finalbody]
+    yield node
+    for child in below:
+        yield from run_on_the_testbed(child)
+
+
+def _branch(test: ast.expr) -> bool | None:
+    """Which way a test goes on the testbed: ``TYPE_CHECKING``, or a comparison of the version."""
     name = test.attr if isinstance(test, ast.Attribute) else getattr(test, "id", "")
-    return name == "TYPE_CHECKING"
+    if name == "TYPE_CHECKING":
+        return False
+    if not isinstance(test, ast.Compare) or len(test.ops) != 1:
+        return None
+    if ast.unparse(test.left) not in ("sys.version_info", "version_info", "sys.version_info[:2]"):
+        return None
+    try:
+        asked = ast.literal_eval(test.comparators[0])
+        version = testbed.PYTHON if "[" in ast.unparse(test.left) else (*testbed.PYTHON, 99)
+        return _COMPARISONS[type(test.ops[0])](version, asked)
+    except (ValueError, TypeError, KeyError):
+        return None
 
 
 def _absolute(node: ast.ImportFrom, package: str) -> str:

@@ -66,7 +66,7 @@ def examine(script, trials, nursery):
 @pytest.mark.parametrize("script", FAULTY, ids=lambda path: path.stem)
 def test_the_planted_defect_is_named_and_no_other(script, nursery):
     code, line, time = planted(script)
-    if script.stem == "newer_syntax" and sys.version_info < (3, 11):
+    if script.stem in ("newer_syntax", "exception_group") and sys.version_info < (3, 11):
         pytest.skip("this Python does not accept it either, and says so")
     report = examine(script, 0, nursery)
     worse = [f for f in report.findings if f.verdict > Verdict.PASS]
@@ -138,6 +138,22 @@ def _leads_to(link, folder):
         return os.readlink(link).startswith(str(folder))
     except OSError:
         return False
+
+
+@pytest.mark.parametrize(
+    ("fault", "code"),
+    [("[0][k // 30]", "crash"), ("open('/nowhere.txt', 'w')", "outside-write")],
+)
+def test_a_fault_of_a_local_module_is_told_with_its_file(tmp_path, nursery, fault, code):
+    sound = (ZOO / "sound" / "two_robots_forward.py").read_text()
+    (tmp_path / "main.py").write_text(
+        sound.replace("r.step()", "gadget.work(r)").replace("import", "import gadget\nimport", 1)
+    )
+    (tmp_path / "gadget.py").write_text(
+        f"k = 0\n\ndef work(r):\n    global k\n    k += 1\n    r.step()\n    {fault}\n"
+    )
+    findings = verify(tmp_path / "main.py", trials=0, limits=LIMITS, nursery=nursery).findings
+    assert (findings[0].code, findings[0].file, findings[0].line) == (code, "gadget.py", 7)
 
 
 def test_a_report_is_the_same_data_in_json_and_html(tmp_path, nursery):

@@ -29,6 +29,7 @@ def codes(tmp_path, text, generation=2, name="main_script.py"):
         ("from matplotlib.pyplot import show as s\ns()\n", [("blocking-call", 2)]),
         ("from rps.robotarium import *\nplt.show()\n", [("blocking-call", 2)]),
         ("breakpoint()\n", [("blocking-call", 1)]),
+        ("import builtins\nbuiltins.input()\n", [("blocking-call", 2)]),
         # Libraries: there, not there, caught, never run.
         ("import cvxopt, cv2, yaml, sklearn.cluster\n", []),
         ("import osqp\n", [("library-absent", 1)]),
@@ -49,6 +50,38 @@ def codes(tmp_path, text, generation=2, name="main_script.py"):
         ("open('/etc/x.m')\n", [("file-in-folder", 1)]),
         ("import sys\nopen(sys.argv[1])\n", []),
         ("open('out.csv', 'w')\n", []),
+        ("open(__file__)\n", []),
+        (
+            "import os\nopen(os.path.join(os.path.dirname(__file__), 'a.m'))\n",
+            [("file-missing", 2)],
+        ),
+        (
+            "from pathlib import Path\nF = Path(__file__).resolve().parent\n(F / 'a.m').open()\n",
+            [("file-missing", 3)],
+        ),
+        (
+            "from pathlib import Path\n(Path(__file__).parent.parent / 'a.m').read_text()\n",
+            [("file-in-folder", 2)],
+        ),
+        ("import numpy as np\nnp.load(file='a.npy')\n", [("file-missing", 2)]),
+        ("import numpy as np\nnp.savez('a', x=1)\nnp.load('a.npz')\n", []),
+        ("from pathlib import Path\np = Path('a.m')\np.write_text('')\np.read_text()\n", []),
+        ("import os\nif os.path.exists('a.json'):\n    open('a.json')\n", []),
+        ("try:\n    open('a.m')\nexcept FileNotFoundError:\n    pass\n", []),
+        # What never runs there, or is ready for its absence.
+        ("import sys\nif sys.version_info >= (3, 11):\n    import tomllib\n", []),
+        (
+            "import sys\nif sys.version_info < (3, 11):\n    import pandas\n",
+            [("library-absent", 3)],
+        ),
+        ("try:\n    from typing import Self\nexcept ImportError:\n    pass\n", []),
+        ("from typing import Self\n", [("newer-python", 1)]),
+        # Generation 1, on what is known to be a Robotarium.
+        (
+            "from rps.robotarium import Robotarium as T\ndef f(r: T):\n"
+            "    r.call_at_scripts_end()\n",
+            [("generation", 3)],
+        ),
     ],
 )
 def test_one_source_at_a_time(tmp_path, text, expected):

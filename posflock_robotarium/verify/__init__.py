@@ -8,7 +8,7 @@ reasons (`judge`, `findings`).  :func:`ablate` asks which imperfection it is tha
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -200,6 +200,8 @@ def verify(
         generation = generations.generation_of(source.tree) or generation
     with running.TrialRoom(source, generation, limits or running.Limits(), nursery) as room:
         found, ideal, ran = _run(room, chosen, trials, declared, seed, known, tell)
+    # Runs name the file of every line; a finding does only where that is not the script.
+    found = [replace(f, file="") if f.file == script.name else f for f in found]
     return _report(script, [*known, *found], generation, chosen.name, ideal, ran, declared)
 
 

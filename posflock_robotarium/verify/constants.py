@@ -7,6 +7,8 @@ import operator
 from pathlib import PurePosixPath
 from typing import Any
 
+#: What stands for ``__file__``.
+SCRIPT = PurePosixPath("__file__")
 _OPERATORS = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -23,10 +25,9 @@ def constants_of(tree: ast.Module) -> dict[str, Any]:
     for node in ast.walk(tree):
         if isinstance(node, ast.Assign) and len(node.targets) == 1:
             target = node.targets[0]
-            if isinstance(target, ast.Name):
-                bound.setdefault(target.id, []).append(node.value)
-                continue
-        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.value:
+            for bound_name, value in _pairs(target, node.value):
+                bound.setdefault(bound_name.id, []).append(value)
+        elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.value:
             bound.setdefault(node.target.id, []).append(node.value)
         elif isinstance(node, ast.arg):
             bound.setdefault(node.arg, []).append(None)
@@ -52,7 +53,9 @@ def constant(node: ast.expr, names: dict[str, Any]) -> Any:
     if isinstance(node, ast.Constant):
         return node.value
     if isinstance(node, ast.Name):
-        return names.get(node.id)
+        return SCRIPT if node.id == "__file__" else names.get(node.id)
+    if isinstance(node, ast.Attribute) and node.attr == "parent":
+        return _parent(constant(node.value, names))
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
         value = constant(node.operand, names)
         return -value if isinstance(value, (int, float)) else None
@@ -79,24 +82,53 @@ def constant(node: ast.expr, names: dict[str, Any]) -> Any:
 
 
 def _path(call: ast.Call, names: dict[str, Any]) -> Any:
-    """``Path("a", "b")`` and ``os.path.join("a", "b")``."""
+    """``Path("a", "b")``, ``os.path.join("a", "b")``, and ways to the folder of the script."""
     func = call.func
     name = func.attr if isinstance(func, ast.Attribute) else getattr(func, "id", "")
-    if name not in ("Path", "PurePath", "join"):
+    if name in ("cwd", "getcwd") and not call.args:
+        return PurePosixPath()
+    arguments = list(call.args)
+    if name in ("resolve", "absolute", "joinpath") and isinstance(func, ast.Attribute):
+        arguments.insert(0, func.value)
+    elif name not in ("Path", "PurePath", "join", "dirname", "abspath", "realpath", "str"):
         return None
-    parts = [constant(argument, names) for argument in call.args]
+    parts = [constant(argument, names) for argument in arguments]
     if not parts or not all(isinstance(part, (str, PurePosixPath)) for part in parts):
         return None
-    return PurePosixPath(*parts)
+    path = PurePosixPath(*parts)
+    return _parent(path) if name == "dirname" else path
+
+
+def _parent(path: Any) -> PurePosixPath | None:
+    """Return the folder of a path; the working folder is the script's own."""
+    if not isinstance(path, PurePosixPath):
+        return None
+    return path.parent if path.name else path / ".."
+
+
+def _pairs(target: ast.expr, value: ast.expr) -> list[tuple[ast.Name, ast.expr]]:
+    """Return the names that an assignment binds, each with its own value: ``a, b = 1, 2``."""
+    if isinstance(target, ast.Name):
+        return [(target, value)]
+    if (
+        isinstance(target, ast.Tuple)
+        and isinstance(value, ast.Tuple)
+        and len(target.elts) == len(value.elts)
+        and not any(isinstance(entry, ast.Starred) for entry in (*target.elts, *value.elts))
+    ):
+        entries = zip(target.elts, value.elts, strict=True)
+        return [pair for one in entries for pair in _pairs(*one)]
+    return []
 
 
 def _is_plain_target(tree: ast.Module, name: ast.Name) -> bool:
     cache: set[int] | None = getattr(tree, "_plain_targets", None)
     if cache is None:
         cache = {
-            id(node.targets[0])
+            id(name)
             for node in ast.walk(tree)
             if isinstance(node, ast.Assign) and len(node.targets) == 1
+            for name, _ in _pairs(node.targets[0], node.value)
         }
         cache |= {id(node.target) for node in ast.walk(tree) if isinstance(node, ast.AnnAssign)}
         tree._plain_targets = cache  # type: ignore[attr-defined]

@@ -19,8 +19,10 @@ _OLD_UTILITIES = {old: new or "" for old, new in FUNCTIONS.items()}
 _NEW_UTILITIES = dict.fromkeys(NEW_FUNCTIONS, "") | {
     new: old for old, new in reversed(FUNCTIONS.items()) if new
 }
-#: Attributes of the Robotarium object that are telling enough to be looked for on any name.
-_TELLING = ("call_at_scripts_end", "debug")
+#: Attributes of the Robotarium object that are called.
+_METHODS = ("call_at_scripts_end", "debug")
+#: The one among its attributes that nobody else has, whatever the name before the dot.
+_UNMISTAKABLE = "call_at_scripts_end"
 _NEW_ATTRIBUTES = {new: old for old, new in RENAMED.items()}
 
 
@@ -37,6 +39,9 @@ def wrong_names(tree: ast.Module, generation: int) -> Iterator[tuple[int, str, s
     probed |= {table[name] for name in probed for table in (functions, attributes) if name in table}
     probed |= {name for table in (functions, attributes) for name in table if table[name] in probed}
     instances = _instances(tree)
+    fields = {_field(name) for name in instances} - {
+        ""
+    }  # self.arena in a class, team.arena outside
     own = {n.name for n in ast.walk(tree) if isinstance(n, (ast.FunctionDef, ast.ClassDef))}
     own |= {
         n.id for n in ast.walk(tree) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
@@ -57,8 +62,9 @@ def wrong_names(tree: ast.Module, generation: int) -> Iterator[tuple[int, str, s
                 yield node.lineno, node.id, functions[node.id]
         elif isinstance(node, ast.Attribute) and node.attr not in probed:
             on = ast.unparse(node.value)
-            if node.attr in attributes and (on in instances):
-                call = "()" if node.attr in _TELLING else ""
+            surely = node.attr == _UNMISTAKABLE and node.attr not in own
+            if node.attr in attributes and (surely or on in instances or _field(on) in fields):
+                call = "()" if node.attr in _METHODS else ""
                 yield node.lineno, node.attr, attributes[node.attr] + call
             elif node.attr in functions and on.split(".")[0] in _modules(tree):
                 yield node.lineno, node.attr, functions[node.attr]
@@ -75,13 +81,28 @@ def generation_of(tree: ast.Module) -> int | None:
 def _instances(tree: ast.Module) -> set[str]:
     """Names and attributes that a ``Robotarium(…)`` is bound to, also through parameters."""
     found: set[str] = set()
+    classes = {"Robotarium"} | {
+        alias.asname or alias.name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+        if alias.name == "Robotarium"
+    }
     for node in ast.walk(tree):
         if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call):
             func = node.value.func
             name = func.attr if isinstance(func, ast.Attribute) else getattr(func, "id", "")
-            if name == "Robotarium":
+            if name in classes:
                 found |= {ast.unparse(target) for target in node.targets}
+        elif isinstance(node, ast.arg) and node.annotation is not None:
+            kind = ast.unparse(node.annotation).strip("'")
+            found |= {node.arg} if kind.rpartition(".")[2] in classes else set()
     return found
+
+
+def _field(name: str) -> str:
+    """Return the attribute that ends a dotted name, nothing of a plain one."""
+    return name.rpartition(".")[2] if "." in name else ""
 
 
 def _modules(tree: ast.Module) -> set[str]:

@@ -15,6 +15,8 @@ from posflock_robotarium.verify.findings import Finding, Verdict, count, wilson_
 from posflock_robotarium.verify.trial import Outcome
 from posflock_robotarium.verify.trials import Ran
 
+#: Share of the steps that may take longer than 33 ms.
+_LATE = 0.1
 _FATAL = ("crashed", "exited", "memory", "hung", "died")
 
 
@@ -47,9 +49,10 @@ def judge(
     runs = [ideal, *trials]
     found = [
         *_endings(ideal.outcome, [t.outcome for t in trials], known),
-        *_deeds(runs),
+        *_deeds(runs, known),
     ]
     if ideal.outcome.steps:
+        found += _robots(ideal.outcome, known)
         found += _collisions(ideal.outcome, [t.outcome for t in trials])
         found += _boundary(ideal.outcome, [t.outcome for t in trials])
         found += _actuator(ideal.outcome)
@@ -115,7 +118,7 @@ def _ending(
     kinds = error.get("kinds", [])
     if "ForbiddenError" in kinds:
         return None  # the deed is told of
-    place: dict[str, Any] = {"line": error.get("line"), "file": ""}
+    place: dict[str, Any] = {"line": error.get("line"), "file": error.get("file", "")}
     what = f"{error.get('type')}: {error.get('message')}".strip(": ")
     settings: dict[str, Any] = {
         **place,
@@ -136,23 +139,62 @@ def _ending(
     if "InitialConditionsError" in kinds:
         advice = "place the robots inside the arena, at least 0.15 m apart"
         return Finding("unreachable-start", verdict, what, advice, **settings)
+    if "WrongGenerationError" in kinds:
+        return Finding("generation", verdict, what, "use the name it gives", **settings)
+    missing = error.get("missing", "")
+    if missing:
+        ending = not missing.lower().endswith(tuple(testbed.ENDINGS))
+        return Finding(
+            "file-ending" if ending else "file-missing",
+            verdict,
+            f"reads {missing}, which "
+            + ("has an ending that cannot be uploaded" if ending else "is not beside the script"),
+            f"use one of {' '.join(testbed.ENDINGS)}" if ending else "put it beside the script",
+            **settings,
+        )
     if outcome.ended == "died":
         return Finding("crash", verdict, what, "look at the end of its output", **settings)
     return Finding("crash", verdict, f"ends with {what}", "mend this line", **settings)
 
 
-def _deeds(runs: Sequence[Ran]) -> Iterator[Finding]:
-    """Tell of writing elsewhere, of other processes, of the network."""
+def _robots(ideal: Outcome, known: Sequence[Finding]) -> Iterator[Finding]:
+    """Count robots, and look for the end in order, where the source did not show them."""
+    told = {finding.code for finding in known}
+    if ideal.robots > testbed.MAX_ROBOTS and "too-many-robots" not in told:
+        yield Finding(
+            "too-many-robots",
+            Verdict.FAIL,
+            f"asks for {ideal.robots} robots; the testbed has {testbed.MAX_ROBOTS}, though the"
+            " simulator takes 50",
+            f"use at most {testbed.MAX_ROBOTS}",
+            figure=float(ideal.robots),
+            unit="robots",
+        )
+    if ideal.ended == "finished" and not ideal.finishing_call and "no-finishing-call" not in told:
+        right = "debug" if ideal.generation == 2 else "call_at_scripts_end"
+        yield Finding(
+            "no-finishing-call",
+            Verdict.RISK,
+            f"ends without having called {right}() of its Robotarium, so it says nothing about"
+            " its violations",
+            f"end the script with r.{right}()",
+        )
+
+
+def _deeds(runs: Sequence[Ran], known: Sequence[Finding]) -> Iterator[Finding]:
+    """Tell of writing elsewhere, of other processes, of the network, of questions."""
     advice = {
         "outside-write": "write into the working folder: only those files come back",
         "fork": "do the work in one process",
         "network": "upload what it needs as files",
+        "blocking-call": "remove it",
     }
-    told = set()
+    told = {finding.code for finding in known}
     words = {
         "outside-write": "writes outside its own folder",
         "fork": "starts or ends other processes",
         "network": "uses the network",
+        "blocking-call": "waits for somebody, and on the testbed nobody is there",
     }
     for run in runs:
         for deed in run.outcome.deeds:
@@ -163,9 +205,11 @@ def _deeds(runs: Sequence[Ran]) -> Iterator[Finding]:
             yield Finding(
                 kind,
                 Verdict.RISK if kind == "network" else Verdict.FAIL,
-                f"{words[kind]} ({deed['what'][:120]}); it was stopped",
+                f"{words[kind]} ({deed['what'][:120]})"
+                + ("; it was stopped" if kind != "blocking-call" else ""),
                 advice[kind],
                 line=deed["line"],
+                file=deed["file"],
                 time=deed["time"] or None,
             )
 
@@ -275,20 +319,22 @@ def _start(ideal: Outcome, drive: Outcome | None, known: Sequence[Finding]) -> I
             f"robots do not reach their initial conditions: {drive.error.get('message')}",
             "place them farther from walls and from each other",
             line=drive.error.get("line"),
+            file=drive.error.get("file", ""),
         )
 
 
 def _loop(ideal: Outcome) -> Iterator[Finding]:
     loop = ideal.loop
-    if loop and loop["p50"] > testbed.TIME_STEP:
+    if loop and loop["late"] > _LATE:
         yield Finding(
             "slow-loop",
             Verdict.RISK,
             f"its loop takes {1000 * loop['p50']:.0f} ms of computing and sleeping at the median"
-            f" ({1000 * loop['p99']:.0f} ms at the 99th percentile): step() can be called every"
+            f" ({1000 * loop['p99']:.0f} ms at the 99th percentile), and more than 33 ms in"
+            f" {100 * loop['late']:.0f} % of the steps: step() can be called every"
             " 33 ms only if it takes less, so commands come late and the run stretches",
             "compute less in a loop, or hold a command for several steps",
-            figure=1000 * loop["p50"],
+            figure=1000 * loop["p99"],
             unit="ms",
         )
     if loop and loop["max"] >= testbed.WATCHDOG:

@@ -95,6 +95,9 @@ def newer_syntax(source: str) -> tuple[int, str] | None:
     try:
         tree = ast.parse(source, feature_version=testbed.PYTHON)
     except SyntaxError as error:
+        groups = [n for n in ast.walk(ast.parse(source)) if type(n).__name__ == "TryStar"]
+        if "xception group" in error.msg and groups:  # Python names a line after it
+            return min(node.handlers[0].lineno for node in groups), error.msg  # type: ignore[attr-defined]
         return error.lineno or 1, error.msg
     found = [*_starred_subscripts(tree), *_newer_fstrings(source)]
     if found:
@@ -112,7 +115,7 @@ def newer_library(tree: ast.Module) -> Iterator[tuple[int, str]]:
     for statement in import_graph.imports(tree):
         if statement.top in testbed.NEWER_MODULES and not statement.guarded:
             yield statement.line, f"the module {statement.top}"
-    for node in ast.walk(tree):
+    for node in import_graph.run_on_the_testbed(tree):
         if isinstance(node, ast.ImportFrom) and not node.level:
             for alias in node.names:
                 if alias.name in NEWER_NAMES.get(node.module or "", "").split():

@@ -17,9 +17,11 @@ from typing import Any
 
 from posflock_robotarium import import_graph, testbed
 from posflock_robotarium.verify import generations, newer_python
-from posflock_robotarium.verify.constants import constant, constants_of
+from posflock_robotarium.verify.constants import SCRIPT, constant, constants_of
 from posflock_robotarium.verify.findings import Finding, Verdict
 
+#: Exceptions whose handler is prepared for a file that is not there.
+_NO_FILE = {"FileNotFoundError", "OSError", "IOError", "Exception", "BaseException"}
 _FINISHING = ("debug", "call_at_scripts_end")
 #: Functions that read a file whose path is their first argument.
 _READERS = frozenset(
@@ -57,6 +59,7 @@ _WRITERS = frozenset(
 _WRITING_METHODS = frozenset(["tofile", "savefig", "write_text", "write_bytes", "to_csv"])
 _BLOCKING = {
     "input": "waits for a key",
+    "builtins.input": "waits for a key",
     "breakpoint": "waits for a debugger",
     "pdb.set_trace": "waits for a debugger",
     "getpass.getpass": "waits for a password",
@@ -451,35 +454,97 @@ def check_files(source: Source) -> Iterator[Finding]:
 
 
 def files_read(source: Source) -> Iterator[tuple[ast.Call, str]]:
-    """Yield the calls that read a file whose path is known, with the path."""
+    """Yield the calls that read a file whose path is known, with the path.
+
+    A file that the script is prepared to miss counts only where it is there.
+    """
+    prepared = _prepared_for_absence(source.tree)
     for call in source.calls:
         name = source.called(call)
+        method = call.func.attr if isinstance(call.func, ast.Attribute) else ""
         if name in _READERS or (name == "open" and _mode(source, call)[:1] == "r"):
-            path = constant(call.args[0], source.names) if call.args else None
-        elif isinstance(call.func, ast.Attribute) and call.func.attr in ("read_text", "read_bytes"):
-            path = constant(call.func.value, source.names)
+            named = [k.value for k in call.keywords if k.arg in ("file", "fname", "filename")]
+            path = constant((*call.args, *named)[0], source.names) if call.args or named else None
+        elif method in ("read_text", "read_bytes") or (
+            _opens_path(source, call) and _mode(source, call)[:1] == "r"
+        ):
+            path = constant(call.func.value, source.names)  # type: ignore[attr-defined]
         else:
             continue
-        if isinstance(path, (str, PurePath)):
+        if not isinstance(path, (str, PurePath)) or path == SCRIPT:
+            continue
+        if call not in prepared or (source.path.parent / path).is_file():
             yield call, str(path)
 
 
+def _opens_path(source: Source, call: ast.Call) -> bool:
+    """``path.open()``, of a path that is known."""
+    return (
+        isinstance(call.func, ast.Attribute)
+        and call.func.attr == "open"
+        and isinstance(constant(call.func.value, source.names), PurePath)
+    )
+
+
 def _path_written(source: Source, call: ast.Call) -> str | None:
-    if not _writes(source, call) or not call.args:
+    if not _writes(source, call):
         return None
-    path = constant(call.args[0], source.names)
-    return str(path) if isinstance(path, (str, PurePath)) else None
+    of_path = _opens_path(source, call) or source.called(call) == ""
+    method = call.func.attr if isinstance(call.func, ast.Attribute) else ""
+    if isinstance(call.func, ast.Attribute) and (
+        of_path or method in ("write_text", "write_bytes")
+    ):
+        path = constant(call.func.value, source.names)
+    else:
+        path = constant(call.args[0], source.names) if call.args else None
+    if not isinstance(path, (str, PurePath)):
+        return None
+    ending = {"save": ".npy", "savez": ".npz", "savez_compressed": ".npz"}.get(method, "")
+    return str(path) if str(path).endswith(ending) else f"{path}{ending}"
+
+
+def _prepared_for_absence(tree: ast.Module) -> set[ast.AST]:
+    """Everything that runs only if a file is there, or where a missing file is caught."""
+    found: set[ast.AST] = set()
+    for node in ast.walk(tree):
+        bodies: list[ast.AST] = []
+        if isinstance(node, ast.If) and _asks_for_a_file(node.test):
+            bodies = [*node.body, *node.orelse]
+        elif isinstance(node, ast.IfExp) and _asks_for_a_file(node.test):
+            bodies = [node.body, node.orelse]
+        elif (
+            isinstance(node, ast.Try)
+            and any(_catches(handler, _NO_FILE) for handler in node.handlers)
+        ) or (
+            isinstance(node, ast.With)
+            and any("suppress(" in ast.unparse(item) for item in node.items)
+        ):
+            bodies = list(node.body)
+        for body in bodies:
+            found |= set(ast.walk(body))
+    return found
+
+
+def _asks_for_a_file(test: ast.expr) -> bool:
+    return any(
+        isinstance(node, ast.Call)
+        and getattr(node.func, "attr", getattr(node.func, "id", ""))
+        in ("exists", "is_file", "isfile")
+        for node in ast.walk(test)
+    )
 
 
 def _mode(source: Source, call: ast.Call) -> str:
-    given = [k.value for k in call.keywords if k.arg == "mode"] or call.args[1:2]
+    first = 0 if _opens_path(source, call) else 1
+    given = [k.value for k in call.keywords if k.arg == "mode"] or call.args[first : first + 1]
     mode = constant(given[0], source.names) if given else "r"
     return mode.replace("b", "").replace("t", "") if isinstance(mode, str) else "?"
 
 
 def _writes(source: Source, call: ast.Call) -> bool:
     name = source.called(call)
-    if name in _WRITERS or (name == "open" and _mode(source, call)[:1] in ("w", "a", "x")):
+    opens = name == "open" or _opens_path(source, call)
+    if name in _WRITERS or (opens and _mode(source, call)[:1] in ("w", "a", "x")):
         return True
     method = call.func.attr if isinstance(call.func, ast.Attribute) else ""
     return method in _WRITING_METHODS
@@ -525,9 +590,13 @@ def _after(tree: ast.Module, node: ast.stmt) -> set[ast.AST]:
 
 
 def _catches_interrupt(handler: ast.ExceptHandler) -> bool:
+    return _catches(handler, {"KeyboardInterrupt", "BaseException"})
+
+
+def _catches(handler: ast.ExceptHandler, wanted: set[str]) -> bool:
     kinds = handler.type.elts if isinstance(handler.type, ast.Tuple) else [handler.type]
     names = {kind.id for kind in kinds if isinstance(kind, ast.Name)}
-    return handler.type is None or bool(names & {"KeyboardInterrupt", "BaseException"})
+    return handler.type is None or bool(names & wanted)
 
 
 def _is_during(source: Source, call: ast.Call) -> bool:

@@ -135,9 +135,10 @@ class Outcome:
         over-time (ran until the longest time), stopped (as planned, enough seen), killed (as
         planned), hung (stopped stepping), memory, died (by a signal).
     error : dict
-        ``type``, ``message``, ``line``, ``file``, ``lines`` (of the script, in the traceback).
+        ``type``, ``message``, ``missing`` (a file that it reads), ``line``, ``file``, ``lines``
+        (of the script, in the traceback).
     deeds : list of dict
-        Forbidden things: ``kind`` (outside-write, fork, network), ``what``, ``line``, ``time``.
+        Forbidden things: ``kind`` (a finding's code), ``what``, ``line``, ``time``.
     events : list
         Faults: kind, robots, first and last step, worst value.
     """
@@ -246,6 +247,7 @@ class Watch:
         self._refusals = 0
         self._interrupted = False
         self.over_time = False
+        self.seen_enough = False
         self.finished = False
 
     def created(self, robotarium: Any) -> None:
@@ -367,13 +369,13 @@ def _run(plan: TrialPlan, outcome: Outcome, pulse: mmap.mmap, deeds: int) -> Non
     sys.argv = [plan.script]
     sys.path[:0] = [scratch, *plan.path]
     sys.dont_write_bytecode = True
-    builtins.input = lambda prompt="": ""
     random.seed(plan.seed)
     np.random.seed(plan.seed % 2**32)  # noqa: NPY002 - the script's stream, not ours
     rps_compat.install(api=plan.generation)
     _limit(plan.memory)
     guard = _Guard(scratch, deeds, watch)
     guard.install()
+    builtins.input = guard.answer
     _listen(watch, plan.generation)
     _run_guarded(plan, outcome, session, clock, watch, scratch)
     _describe(outcome, watch, plan)
@@ -408,7 +410,9 @@ def _run_guarded(
         outcome.ended = "crashed"
         outcome.error = _error(error, scratch)
         traceback.print_exc()
-    if watch.over_time:
+    if watch.seen_enough:  # a `finally:` may fail on what the script had no time to make
+        outcome.ended, outcome.error = "stopped", {}
+    elif watch.over_time:
         outcome.ended = "over-time"
     elif plan.interrupt_at is not None and watch._interrupted and outcome.ended == "finished":
         outcome.ended = "interrupted"
@@ -420,7 +424,12 @@ def _listen(watch: Watch, generation: int) -> None:
 
     kind = import_module(f"rps_compat.v{generation}.robotarium").Robotarium
     if watch.plan.only_start:
-        kind.get_poses = _enough
+
+        def enough(_: Any) -> None:
+            watch.seen_enough = True
+            raise Enough
+
+        kind.get_poses = enough
     step, finish = kind.step, "debug" if generation == 2 else "call_at_scripts_end"
     finishing = getattr(kind, finish)
 
@@ -434,10 +443,6 @@ def _listen(watch: Watch, generation: int) -> None:
 
     kind.step = timed
     setattr(kind, finish, finished)
-
-
-def _enough(*_: Any) -> None:
-    raise Enough
 
 
 def _limit(memory: int) -> None:
@@ -485,6 +490,11 @@ class _Guard:
         deed = {"kind": kind, "what": what, "line": line, "file": file, "step": steps}
         os.write(self.deeds, (json.dumps(deed) + "\n").encode())
 
+    def answer(self, prompt: object = "") -> str:
+        """Stand in for ``input()``: nobody is there, which goes on record."""
+        self.record("blocking-call", "input()")
+        return ""
+
     def blame(self) -> tuple[int | None, str]:
         """Return the innermost line of the script's own files that is being run."""
         frame: FrameType | None = sys._getframe(2)
@@ -527,9 +537,15 @@ def _audit(event: str, arguments: tuple[Any, ...]) -> None:
     elif event in _PROCESS_EVENTS and guard.is_the_scripts():
         _refuse(guard, "fork", " ".join(str(a) for a in arguments[:2]) or event)
     elif event in _NETWORK_EVENTS and guard.is_the_scripts():
-        _refuse(guard, "network", " ".join(str(a) for a in arguments[1:]) or event)
+        _refuse(guard, "network", _address(event, arguments))
     elif event == "os.kill" and arguments[0] != os.getpid():
         _refuse(guard, "fork", f"kill {arguments[0]}")
+
+
+def _address(event: str, arguments: tuple[Any, ...]) -> str:
+    """Return whom a network event is about; sockets come first where there are any."""
+    about = arguments[:2] if event == "socket.getaddrinfo" else arguments[1:]
+    return " ".join(str(part) for part in about) or event
 
 
 def _refuse(guard: _Guard, kind: str, what: str) -> None:
@@ -551,11 +567,21 @@ def _error(error: BaseException, scratch: str) -> dict[str, Any]:
     return {
         "type": type(error).__name__,
         "kinds": [kind.__name__ for kind in type(error).__mro__],
-        "message": str(error)[:500],
+        "message": str(error).replace(scratch + os.sep, "")[:500],
+        "missing": _missing_file(error, scratch),
         "line": line,
         "file": file,
         "lines": [frame for frame in frames if frame[0]],
     }
+
+
+def _missing_file(error: BaseException, scratch: str) -> str:
+    """Return the file beside the script that an error says is not there, or nothing."""
+    name = error.filename if isinstance(error, FileNotFoundError) else None
+    if not isinstance(name, (str, bytes, os.PathLike)):
+        return ""
+    path = os.path.join(scratch, os.fsdecode(name))
+    return os.path.basename(path) if os.path.dirname(path) == scratch else ""
 
 
 def _describe(outcome: Outcome, watch: Watch, plan: TrialPlan) -> None:
@@ -571,6 +597,7 @@ def _describe(outcome: Outcome, watch: Watch, plan: TrialPlan) -> None:
             "p50": float(np.quantile(loops, 0.5)),
             "p99": float(np.quantile(loops, 0.99)),
             "max": float(loops.max()),
+            "late": float(np.mean(loops > testbed.TIME_STEP)),
             "at": (worst + 1) * testbed.TIME_STEP,
         }
     outcome.silent = {"seconds": watch.silent[0], "at": watch.silent[1]}

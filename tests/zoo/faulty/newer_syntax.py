@@ -11,5 +11,5 @@ r.debug()
 
 try:
     pass
-except* ValueError:
-    pass  # <- newer-python
+except* ValueError:  # <- newer-python
+    pass
