@@ -50,6 +50,9 @@ TOLERANCE = 1e-9
 _ROUNDING = 1e-14
 """Rounding of rows, relative: where nothing limits speeds, overlaps can ask for 100 km/s."""
 
+_FAR = 1e5
+"""Beyond this many times the top speed a command says no more than its direction."""
+
 _NO_ROWS: IntArray = np.zeros(0, dtype=np.intp)
 _GUESSES = 8
 _ROUNDS = 50
@@ -170,7 +173,8 @@ class Projector:
         rows : Rows
             What must hold.
         top_speed : float
-            No robot can be faster, m/s: when rows must be relaxed, none is asked for more.
+            No robot can be faster, m/s: when rows must be relaxed, none is asked for more, and
+            commands beyond 100,000 times as much are first shortened to that.
 
         Raises
         ------
@@ -195,11 +199,21 @@ class Projector:
             return desired.copy(), ProjectionInfo("trivial", max(worst, 0.0), rows=rows)
         info = ProjectionInfo("optimal", rows=rows)
         self._tolerance = max(TOLERANCE, _ROUNDING * worst)
+        if self._tolerance > TOLERANCE and math.isfinite(top_speed):
+            # Rounding of such numbers would hide what robots that have a top speed can do.
+            self._tolerance = TOLERANCE
+            target = _brought_near(desired, _FAR * top_speed).T.reshape(-1)
+            excess = rows.excess(target)
         point = self._nearest(target, rows, excess, info)
         if point is None:
             point = self._without_solution(target, rows, excess, top_speed, info)
-        info.moved = largest_shift(point, target)
-        return point.reshape(-1, 2).T.copy(), info
+        velocity = point.reshape(-1, 2).T.copy()
+        info.moved = (
+            largest_shift(point, target)
+            if worst < _FAR  # squares of more can overflow
+            else float(np.hypot(*(velocity - desired)).max())
+        )
+        return velocity, info
 
     def _nearest(
         self, target: FloatArray, rows: Rows, excess: FloatArray, info: ProjectionInfo
@@ -339,6 +353,12 @@ def largest_shift(point: FloatArray, target: FloatArray) -> float:
     shift *= shift
     square = shift[::2] + shift[1::2]
     return math.sqrt(square[square.argmax()])
+
+
+def _brought_near(desired: FloatArray, limit: float) -> FloatArray:
+    """Return commands (2, N) with those longer than the limit shortened to it, m/s."""
+    shorter: FloatArray = desired * (limit / np.maximum(np.hypot(*desired), limit))
+    return shorter
 
 
 def _team(rows: Rows) -> tuple[int, int]:
