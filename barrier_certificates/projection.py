@@ -68,7 +68,8 @@ class ProjectionInfo:
     status : str
         ``"trivial"``: the command was safe and is returned as it was. ``"optimal"``: the nearest
         safe velocity. ``"relaxed"``: no safe velocity exists, this one breaks the rows least.
-        ``"failed"``: the robots were stopped (policy ``"stop"``, or NaN in poses or command).
+        ``"failed"``: the robots were stopped (policy ``"stop"``, or NaN in poses or command, which
+        leaves the other numbers NaN).
     violation : float
         Largest excess over all rows at the velocity returned, m/s; zero if all hold.
     iterations : int
@@ -258,7 +259,7 @@ class Projector:
         for _ in range(_ROUNDS):
             which = working.nonzero()[0]
             info.iterations += 1
-            point = solvers.load(name)(rows, which, target, self._options_of(name))
+            point = solvers.solve(name, rows, which, target, self._options_of(name))
             broken = None if point is None else rows.excess(point) > self._tolerance
             if broken is None or broken[which].any():
                 second = solvers.confirm(name, rows.size)
@@ -344,7 +345,9 @@ class Projector:
         self._warm = _NO_ROWS
         if self.on_infeasible == "raise":
             raise NotFiniteError("poses or commands hold NaN or infinity; expected finite numbers")
-        return np.zeros_like(desired), ProjectionInfo("failed", math.nan, moved=math.nan)
+        unknown = ProjectionInfo("failed", math.nan, moved=math.nan)
+        unknown.smallest_h = unknown.clearance = math.nan
+        return np.zeros_like(desired), unknown
 
 
 def largest_shift(point: FloatArray, target: FloatArray) -> float:

@@ -88,6 +88,7 @@ def test_not_a_number_stops_the_team():
     velocity, info = SingleIntegratorCertificate()(command, positions)
     assert info.status == "failed"
     assert not velocity.any()
+    assert np.isnan([info.violation, info.moved, info.smallest_h, info.clearance]).all()
     with pytest.raises(NotFiniteError):
         SingleIntegratorCertificate(on_infeasible="raise")(command, positions)
 
