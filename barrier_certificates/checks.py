@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from barrier_certificates.certificate_errors import ParameterError, ShapeError
+from barrier_certificates.certificate_errors import NotFiniteError, ParameterError, ShapeError
 from barrier_certificates.rows import FloatArray
 
 
@@ -31,6 +31,12 @@ def positive_or_none(name: str, value: float | None, unit: str = "") -> None:
         positive(name, value, unit)
 
 
+def angle(name: str, value: float) -> None:
+    """Refuse an angle that is not a finite number."""
+    if not (isinstance(value, (int, float, np.number)) and math.isfinite(value)):
+        raise ParameterError(f"{name} is {value!r}; expected a finite angle in radians")
+
+
 def columns(name: str, array: Any, rows: int) -> FloatArray:
     """Return the array as floats, refusing any shape but (rows, N) with N ≥ 1."""
     try:
@@ -50,6 +56,12 @@ def finite(*arrays: FloatArray) -> bool:
     return all(
         math.isfinite(a.item(a.argmax())) and math.isfinite(a.item(a.argmin())) for a in arrays
     )
+
+
+def require_finite(name: str, array: FloatArray) -> None:
+    """Refuse NaN and infinity where there is no policy for them."""
+    if not finite(array):
+        raise NotFiniteError(f"{name} hold NaN or infinity; expected finite numbers")
 
 
 def same_number(first: FloatArray, second: FloatArray) -> None:

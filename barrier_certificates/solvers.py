@@ -98,7 +98,7 @@ def check(name: str) -> None:
     """
     if name == "auto":
         return
-    if name not in _SOLVERS:
+    if name not in NAMES:
         raise ParameterError(f"solver is {name!r}; expected 'auto' or one of {', '.join(NAMES)}")
     if not installed(name):
         solver = _SOLVERS[name]

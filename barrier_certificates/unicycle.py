@@ -256,10 +256,17 @@ wheel_disturbance, time_step
             Velocities of the projection points, m/s, as `project` returns them.
         poses : (3, N) array
             Poses of the robots, m and rad.
+
+        Raises
+        ------
+        ShapeError, NotFiniteError
+            If the shapes do not fit, or anything is NaN or infinite.
         """
         velocity = checks.columns("velocities", velocity, 2)
         poses = checks.columns("poses", poses, 3)
         checks.same_number(velocity, poses)
+        checks.require_finite("velocities", velocity)
+        checks.require_finite("poses", poses)
         return self._commands(velocity, np.stack([np.cos(poses[2]), np.sin(poses[2])]))
 
     def _commands(self, velocity: FloatArray, headings: FloatArray) -> FloatArray:
