@@ -64,9 +64,18 @@ def require_finite(name: str, array: FloatArray) -> None:
         raise NotFiniteError(f"{name} hold NaN or infinity; expected finite numbers")
 
 
-def same_number(first: FloatArray, second: FloatArray) -> None:
-    """Refuse commands for a different number of robots than there are poses."""
-    if first.shape[1] != second.shape[1]:
+def team(desired: Any, states: Any, name: str, rows: int) -> tuple[FloatArray, FloatArray]:
+    """Return commands (2, N) and the states (rows, N) they are for, as floats.
+
+    Raises
+    ------
+    ShapeError
+        If either has another shape, or they are for different numbers of robots.
+    """
+    commands, states = columns("commands", desired, 2), columns(name, states, rows)
+    if commands.shape[1] != states.shape[1]:
         raise ShapeError(
-            f"commands are for {first.shape[1]} robots, but there are poses of {second.shape[1]}"
+            f"commands are for {commands.shape[1]} robots, but there are {name} of "
+            f"{states.shape[1]}"
         )
+    return commands, states
