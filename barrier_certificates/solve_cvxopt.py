@@ -24,12 +24,8 @@ def solve(
 ) -> FloatArray | None:
     """Nearest point to ``target`` that satisfies the chosen rows, or None if there is none.
 
-    Parameters
-    ----------
-    rows, which, target
-        See `barrier_certificates.solvers`.
-    options : mapping
-        Options of `cvxopt.solvers.qp`, such as ``maxiters``.
+    Options are those of `cvxopt.solvers.qp`, such as ``maxiters``; the rest is as in
+    `barrier_certificates.solvers`.
     """
     from cvxopt import matrix, solvers, spmatrix
 
