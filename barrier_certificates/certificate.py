@@ -15,7 +15,7 @@ from barrier_certificates.certificate_errors import ParameterError
 from barrier_certificates.deadlock import DeadlockMonitor, DeadlockParameters, tilt
 from barrier_certificates.disturbance import WheelDisturbance
 from barrier_certificates.limits import LimitRows
-from barrier_certificates.obstacles import Obstacle, ObstacleRows
+from barrier_certificates.obstacles import Obstacle, ObstacleRows, listed
 from barrier_certificates.pairs import PairRows
 from barrier_certificates.projection import Policy, ProjectionInfo, Projector
 from barrier_certificates.rowbook import Margin, RowBook
@@ -115,14 +115,15 @@ class Certificate(ABC, Generic[Parameters]):
         deadlock: DeadlockParameters | None = None,
         tilt: float = 0.0,
     ) -> None:
-        if not math.isfinite(tilt):
-            raise ParameterError(f"tilt is {tilt}; expected a finite angle in radians")
+        checks.angle("tilt", tilt)
+        if not (deadlock is None or isinstance(deadlock, DeadlockParameters)):
+            raise ParameterError(f"deadlock is {deadlock!r}; expected DeadlockParameters or None")
         self._projector = Projector(solver, on_infeasible, options)
         self._tilt = tilt
         if tilt and deadlock is None:
             deadlock = DeadlockParameters()
         self._monitor = None if deadlock is None else DeadlockMonitor(deadlock)
-        self._obstacles = tuple(obstacles)
+        self._obstacles = listed(obstacles)
         self._parameters = parameters
         self._build()
 
@@ -148,7 +149,7 @@ class Certificate(ABC, Generic[Parameters]):
 
     @obstacles.setter
     def obstacles(self, obstacles: Sequence[Obstacle]) -> None:
-        moved = tuple(obstacles)
+        moved = listed(obstacles)
         if self._obstacle_rows is not None and len(moved) == len(self._obstacles):
             self._obstacle_rows.move(moved)
             self._obstacles = moved
@@ -157,6 +158,7 @@ class Certificate(ABC, Generic[Parameters]):
             self._build()
 
     def _margins(self, scene: Scene, within: float) -> list[Margin]:
+        checks.require_finite("positions", scene.positions)
         checks.not_negative("within", within, "of metres")
         return self._book.margins(scene, within)
 

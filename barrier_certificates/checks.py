@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from barrier_certificates.certificate_errors import ParameterError, ShapeError
+from barrier_certificates.certificate_errors import NotFiniteError, ParameterError, ShapeError
 from barrier_certificates.rows import FloatArray
 
 
@@ -31,6 +31,12 @@ def positive_or_none(name: str, value: float | None, unit: str = "") -> None:
         positive(name, value, unit)
 
 
+def angle(name: str, value: float) -> None:
+    """Refuse an angle that is not a finite number."""
+    if not (isinstance(value, (int, float, np.number)) and math.isfinite(value)):
+        raise ParameterError(f"{name} is {value!r}; expected a finite angle in radians")
+
+
 def columns(name: str, array: Any, rows: int) -> FloatArray:
     """Return the array as floats, refusing any shape but (rows, N) with N ≥ 1."""
     try:
@@ -52,9 +58,24 @@ def finite(*arrays: FloatArray) -> bool:
     )
 
 
-def same_number(first: FloatArray, second: FloatArray) -> None:
-    """Refuse commands for a different number of robots than there are poses."""
-    if first.shape[1] != second.shape[1]:
+def require_finite(name: str, array: FloatArray) -> None:
+    """Refuse NaN and infinity where there is no policy for them."""
+    if not finite(array):
+        raise NotFiniteError(f"{name} hold NaN or infinity; expected finite numbers")
+
+
+def team(desired: Any, states: Any, name: str, rows: int) -> tuple[FloatArray, FloatArray]:
+    """Return commands (2, N) and the states (rows, N) they are for, as floats.
+
+    Raises
+    ------
+    ShapeError
+        If either has another shape, or they are for different numbers of robots.
+    """
+    commands, states = columns("commands", desired, 2), columns(name, states, rows)
+    if commands.shape[1] != states.shape[1]:
         raise ShapeError(
-            f"commands are for {first.shape[1]} robots, but there are poses of {second.shape[1]}"
+            f"commands are for {commands.shape[1]} robots, but there are {name} of "
+            f"{states.shape[1]}"
         )
+    return commands, states

@@ -8,12 +8,13 @@ can retreat, no velocity is safe, and the policy for infeasible states decides.)
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from barrier_certificates import checks
 from barrier_certificates.certificate_errors import ParameterError
 from barrier_certificates.disturbance import WheelDisturbance
 from barrier_certificates.pairs import COINCIDENT
@@ -75,11 +76,28 @@ Obstacle = Disc | Segment
 
 
 def _check(radius: float, *points: Point) -> None:
-    numbers = [np.asarray(point, dtype=float) for point in points]
+    try:
+        numbers = [np.asarray(point, dtype=float) for point in points]
+    except (TypeError, ValueError):
+        numbers = [np.array(np.nan)]
     if not all(n.shape == (2,) and np.all(np.isfinite(n)) for n in numbers):
         raise ParameterError(f"obstacle has points {points}; expected pairs of finite numbers")
-    if not (math.isfinite(radius) and radius >= 0.0):
-        raise ParameterError(f"obstacle has radius {radius}; expected zero or a positive number")
+    checks.not_negative("radius of an obstacle", radius, "of metres")
+
+
+def listed(obstacles: Any) -> tuple[Obstacle, ...]:
+    """Return obstacles as a tuple, refusing what is none.
+
+    Raises
+    ------
+    ParameterError
+        If they are not a sequence of `Disc` and `Segment`.
+    """
+    if isinstance(obstacles, Iterable):
+        found = tuple(obstacles)
+        if all(isinstance(obstacle, (Disc, Segment)) for obstacle in found):
+            return found
+    raise ParameterError(f"obstacles are {obstacles!r}; expected a sequence of Disc and Segment")
 
 
 class ObstacleRows:

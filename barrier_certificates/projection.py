@@ -50,6 +50,9 @@ TOLERANCE = 1e-9
 _ROUNDING = 1e-14
 """Rounding of rows, relative: where nothing limits speeds, overlaps can ask for 100 km/s."""
 
+_FAR = 1e5
+"""Beyond this many times the top speed a command says no more than its direction."""
+
 _NO_ROWS: IntArray = np.zeros(0, dtype=np.intp)
 _GUESSES = 8
 _ROUNDS = 50
@@ -65,7 +68,8 @@ class ProjectionInfo:
     status : str
         ``"trivial"``: the command was safe and is returned as it was. ``"optimal"``: the nearest
         safe velocity. ``"relaxed"``: no safe velocity exists, this one breaks the rows least.
-        ``"failed"``: the robots were stopped (policy ``"stop"``, or NaN in poses or command).
+        ``"failed"``: the robots were stopped (policy ``"stop"``, or NaN in poses or command, which
+        leaves the other numbers NaN).
     violation : float
         Largest excess over all rows at the velocity returned, m/s; zero if all hold.
     iterations : int
@@ -170,7 +174,8 @@ class Projector:
         rows : Rows
             What must hold.
         top_speed : float
-            No robot can be faster, m/s: when rows must be relaxed, none is asked for more.
+            No robot can be faster, m/s: when rows must be relaxed, none is asked for more, and
+            commands beyond 100,000 times as much are first shortened to that.
 
         Raises
         ------
@@ -195,11 +200,21 @@ class Projector:
             return desired.copy(), ProjectionInfo("trivial", max(worst, 0.0), rows=rows)
         info = ProjectionInfo("optimal", rows=rows)
         self._tolerance = max(TOLERANCE, _ROUNDING * worst)
+        if self._tolerance > TOLERANCE and math.isfinite(top_speed):
+            # Rounding of such numbers would hide what robots that have a top speed can do.
+            self._tolerance = TOLERANCE
+            target = _brought_near(desired, _FAR * top_speed).T.reshape(-1)
+            excess = rows.excess(target)
         point = self._nearest(target, rows, excess, info)
         if point is None:
             point = self._without_solution(target, rows, excess, top_speed, info)
-        info.moved = largest_shift(point, target)
-        return point.reshape(-1, 2).T.copy(), info
+        velocity = point.reshape(-1, 2).T.copy()
+        info.moved = (
+            largest_shift(point, target)
+            if worst < _FAR  # squares of more can overflow
+            else float(np.hypot(*(velocity - desired)).max())
+        )
+        return velocity, info
 
     def _nearest(
         self, target: FloatArray, rows: Rows, excess: FloatArray, info: ProjectionInfo
@@ -244,7 +259,7 @@ class Projector:
         for _ in range(_ROUNDS):
             which = working.nonzero()[0]
             info.iterations += 1
-            point = solvers.load(name)(rows, which, target, self._options_of(name))
+            point = solvers.solve(name, rows, which, target, self._options_of(name))
             broken = None if point is None else rows.excess(point) > self._tolerance
             if broken is None or broken[which].any():
                 second = solvers.confirm(name, rows.size)
@@ -330,7 +345,9 @@ class Projector:
         self._warm = _NO_ROWS
         if self.on_infeasible == "raise":
             raise NotFiniteError("poses or commands hold NaN or infinity; expected finite numbers")
-        return np.zeros_like(desired), ProjectionInfo("failed", math.nan, moved=math.nan)
+        unknown = ProjectionInfo("failed", math.nan, moved=math.nan)
+        unknown.smallest_h = unknown.clearance = math.nan
+        return np.zeros_like(desired), unknown
 
 
 def largest_shift(point: FloatArray, target: FloatArray) -> float:
@@ -339,6 +356,12 @@ def largest_shift(point: FloatArray, target: FloatArray) -> float:
     shift *= shift
     square = shift[::2] + shift[1::2]
     return math.sqrt(square[square.argmax()])
+
+
+def _brought_near(desired: FloatArray, limit: float) -> FloatArray:
+    """Return commands (2, N) with those longer than the limit shortened to it, m/s."""
+    shorter: FloatArray = desired * (limit / np.maximum(np.hypot(*desired), limit))
+    return shorter
 
 
 def _team(rows: Rows) -> tuple[int, int]:

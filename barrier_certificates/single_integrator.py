@@ -125,9 +125,7 @@ class SingleIntegratorCertificate(Certificate[SingleIntegratorParameters]):
         InfeasibleError, NotFiniteError
             Under the policy ``"raise"``.
         """
-        desired = checks.columns("commands", desired, 2)
-        positions = checks.columns("positions", positions, 2)
-        checks.same_number(desired, positions)
+        desired, positions = checks.team(desired, positions, "positions", 2)
         if not checks.finite(desired, positions):
             return self._projector.refuse(desired)
         return self._certify(desired, Scene(positions))

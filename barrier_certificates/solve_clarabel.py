@@ -23,12 +23,8 @@ def solve(
 ) -> FloatArray | None:
     """Nearest point to ``target`` that satisfies the chosen rows, or None if there is none.
 
-    Parameters
-    ----------
-    rows, which, target
-        See `barrier_certificates.solvers`.
-    options : mapping
-        Settings of Clarabel, such as ``max_iter``.
+    Options are settings of Clarabel, such as ``max_iter``; the rest is as in
+    `barrier_certificates.solvers`.
     """
     import clarabel
 

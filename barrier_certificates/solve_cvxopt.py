@@ -15,6 +15,8 @@ from barrier_certificates.active_set import polish
 from barrier_certificates.rows import FloatArray, IntArray, Rows
 
 _DEFAULTS = {"abstol": 1e-10, "reltol": 1e-10, "feastol": 1e-10, "maxiters": 100}
+_NAMES = {*_DEFAULTS, "refinement", "kktreg", "show_progress"}
+_NEAR = 1e-10  # duality gap, m²/s²: at most 15 µm/s from the optimum
 
 
 def solve(
@@ -22,15 +24,16 @@ def solve(
 ) -> FloatArray | None:
     """Nearest point to ``target`` that satisfies the chosen rows, or None if there is none.
 
-    Parameters
-    ----------
-    rows, which, target
-        See `barrier_certificates.solvers`.
-    options : mapping
-        Options of `cvxopt.solvers.qp`, such as ``maxiters``.
+    Options are those of `cvxopt.solvers.qp`, such as ``maxiters``; the rest is as in
+    `barrier_certificates.solvers`.
     """
     from cvxopt import matrix, solvers, spmatrix
 
+    # cvxopt ignores names it does not know, and its ValueError for values means many things.
+    if unknown := options.keys() - _NAMES:
+        raise TypeError(f"cvxopt has no option {sorted(unknown)}, only {sorted(_NAMES)}")
+    if not all(isinstance(value, (int, float)) for value in options.values()):
+        raise TypeError(f"cvxopt takes numbers, not {dict(options)}")
     sparse = rows.sparse(which).tocoo()
     count = rows.size
     try:
@@ -43,8 +46,8 @@ def solve(
         )
     except (ArithmeticError, ValueError):  # a singular step: no answer
         return None
-    if solution["status"] not in ("optimal", "unknown"):
+    # "unknown" is out of iterations: near the optimum, where the polish ends, or far from any.
+    if solution["status"] != "optimal" and not (solution["gap"] or np.inf) < _NEAR:
         return None
     point, multipliers = (np.array(solution[part]).reshape(-1) for part in ("x", "z"))
-    # "unknown" is out of iterations near the optimum, or far from any: the polish decides.
     return polish(rows, which, target, point, multipliers)

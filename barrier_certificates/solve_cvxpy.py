@@ -22,12 +22,8 @@ def solve(
 ) -> FloatArray | None:
     """Nearest point to ``target`` that satisfies the chosen rows, or None if there is none.
 
-    Parameters
-    ----------
-    rows, which, target
-        See `barrier_certificates.solvers`.
-    options : mapping
-        Settings of Clarabel, which solves the model.
+    Options are settings of Clarabel, which solves the model; the rest is as in
+    `barrier_certificates.solvers`.
     """
     cvxpy: Any = import_module("cvxpy")
     velocity = cvxpy.Variable(rows.size)

@@ -20,12 +20,8 @@ def solve(
 ) -> FloatArray | None:
     """Nearest point to ``target`` that satisfies the chosen rows, or None if there is none.
 
-    Parameters
-    ----------
-    rows, which, target
-        See `barrier_certificates.solvers`.
-    options : mapping
-        Settings of daqp, such as ``iter_limit``.
+    Options are settings of daqp, such as ``iter_limit``; the rest is as in
+    `barrier_certificates.solvers`.
     """
     import daqp
 

@@ -47,6 +47,8 @@ def solve(
     excess = matrix @ target - bound
     aim = np.zeros(rows.size + 1)
     aim[-1] = 1.0
+    if options.keys() - {"maxiter"}:
+        raise TypeError(f"got {sorted(options)}, where nnls has maxiter alone")
     maxiter = options.get("maxiter")
     point: FloatArray | None = None
     worst = float(excess.max())

@@ -98,7 +98,7 @@ def check(name: str) -> None:
     """
     if name == "auto":
         return
-    if name not in _SOLVERS:
+    if name not in NAMES:
         raise ParameterError(f"solver is {name!r}; expected 'auto' or one of {', '.join(NAMES)}")
     if not installed(name):
         solver = _SOLVERS[name]
@@ -138,3 +138,24 @@ def load(name: str) -> Solve:
     """Return the ``solve`` of a solver, importing it now."""
     check(name)
     return _SOLVERS[name].load()
+
+
+def solve(
+    name: str, rows: Rows, which: IntArray, target: FloatArray, options: Mapping[str, float]
+) -> FloatArray | None:
+    """Ask the solver named for the point nearest to the target, see the top of this module.
+
+    Raises
+    ------
+    ParameterError
+        If the options are not what this solver takes; the message has its own words.
+    """
+    if not options:
+        return load(name)(rows, which, target, options)
+    try:
+        return load(name)(rows, which, target, options)
+    except (AttributeError, TypeError, ValueError) as error:
+        raise ParameterError(
+            f"options of solver {name!r} are {dict(options)}; expected its own, by its own names: "
+            f"{str(error).splitlines()[0]}"
+        ) from error

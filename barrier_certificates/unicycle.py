@@ -197,9 +197,7 @@ wheel_disturbance, time_step
         InfeasibleError, NotFiniteError
             Under the policy ``"raise"``.
         """
-        desired = checks.columns("commands", desired, 2)
-        poses = checks.columns("poses", poses, 3)
-        checks.same_number(desired, poses)
+        desired, poses = checks.team(desired, poses, "poses", 3)
         if not checks.finite(desired, poses):
             return self._projector.refuse(desired)
         return self._certify(desired, self._scene(poses))
@@ -230,9 +228,7 @@ wheel_disturbance, time_step
         InfeasibleError, NotFiniteError
             Under the policy ``"raise"``.
         """
-        desired = checks.columns("commands", desired, 2)
-        poses = checks.columns("poses", poses, 3)
-        checks.same_number(desired, poses)
+        desired, poses = checks.team(desired, poses, "poses", 3)
         if not checks.finite(desired, poses):
             return self._projector.refuse(desired)
         scene = self._scene(poses)
@@ -256,10 +252,15 @@ wheel_disturbance, time_step
             Velocities of the projection points, m/s, as `project` returns them.
         poses : (3, N) array
             Poses of the robots, m and rad.
+
+        Raises
+        ------
+        ShapeError, NotFiniteError
+            If the shapes do not fit, or anything is NaN or infinite.
         """
-        velocity = checks.columns("velocities", velocity, 2)
-        poses = checks.columns("poses", poses, 3)
-        checks.same_number(velocity, poses)
+        velocity, poses = checks.team(velocity, poses, "poses", 3)
+        checks.require_finite("velocities", velocity)
+        checks.require_finite("poses", poses)
         return self._commands(velocity, np.stack([np.cos(poses[2]), np.sin(poses[2])]))
 
     def _commands(self, velocity: FloatArray, headings: FloatArray) -> FloatArray:

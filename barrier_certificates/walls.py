@@ -103,7 +103,7 @@ def polygon(corners: Any) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
     Parameters
     ----------
     corners : (2, W) array-like
-        Corners in order, either way round, m.
+        Corners in order, either way round, m; the first may be repeated at the end.
 
     Raises
     ------
@@ -116,6 +116,8 @@ def polygon(corners: Any) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
         raise ParameterError(
             f"corners have shape {points.shape}; expected (2, W) with three corners or more"
         )
+    if points.shape[1] > 3 and np.array_equal(points[:, 0], points[:, -1]):
+        points = points[:, :-1]
     edges = np.roll(points, -1, axis=1) - points
     following = np.roll(edges, -1, axis=1)
     turns = edges[0] * following[1] - edges[1] * following[0]

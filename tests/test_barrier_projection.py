@@ -88,6 +88,7 @@ def test_not_a_number_stops_the_team():
     velocity, info = SingleIntegratorCertificate()(command, positions)
     assert info.status == "failed"
     assert not velocity.any()
+    assert np.isnan([info.violation, info.moved, info.smallest_h, info.clearance]).all()
     with pytest.raises(NotFiniteError):
         SingleIntegratorCertificate(on_infeasible="raise")(command, positions)
 
@@ -145,3 +146,28 @@ def test_memory_never_changes_a_result(seed, number):
         velocity, info = remembering(command, positions)
         assert info.status == expected_info.status
         np.testing.assert_allclose(velocity, expected, atol=1e-8)
+
+
+@pytest.mark.parametrize("speed", [1e5, 1e9, 1e20, 1e300])
+def test_absurd_commands_keep_the_limits(speed):
+    certificate = SingleIntegratorCertificate(boundary=ARENA)
+    velocity, info = certificate([[speed, 0.1], [0.3 * speed, 0.0]], [[0.0, 1.0], [0.0, 0.0]])
+    assert info.status == "optimal"
+    assert info.violation <= 1e-9
+    assert info.moved == pytest.approx(np.hypot(1, 0.3) * speed, rel=1e-6, abs=0.2)
+    corner = 0.2 * np.array([np.cos(np.pi / 4), np.sin(np.pi / 4)])  # of the octagon, or its side
+    assert np.hypot(*velocity[:, 0]) <= 0.2 + 1e-9
+    assert velocity[:, 0] @ [1, 0.3] >= corner @ [1, 0.3]
+    np.testing.assert_allclose(velocity[:, 1], [0.1, 0.0], atol=1e-9)
+    commands, info = UnicycleCertificate()([[speed], [0.0]], np.zeros((3, 1)))
+    assert info.violation <= 1e-9
+    assert commands[0, 0] == pytest.approx(0.2, abs=1e-9)
+
+
+@pytest.mark.parametrize("distance", [1.0, 100.0, 1e4, 1e6])
+def test_robots_come_back_from_however_far_outside(distance):
+    certificate = SingleIntegratorCertificate(boundary=ARENA)
+    velocity, info = certificate([[0.1], [0.1]], [[1.6 + distance], [0.0]])
+    assert info.status == "relaxed"
+    assert velocity[0, 0] < -0.18
+    assert np.hypot(*velocity[:, 0]) <= 0.2 + 1e-9

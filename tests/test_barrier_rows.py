@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from barrier_certificates.certificate_errors import ParameterError
+from barrier_certificates.certificate_errors import NotFiniteError, ParameterError
 from barrier_certificates.disturbance import WheelDisturbance
 from barrier_certificates.limits import VelocityPolygon, unicycle_polygon
 from barrier_certificates.obstacles import Disc, ObstacleRows, Segment
@@ -159,8 +159,10 @@ def test_arenas_that_are_not_convex_are_refused(corners, problem):
 
 def test_a_polygon_may_be_given_either_way_round():
     corners = np.array([[0.0, 1.0, 1.0, 0.0], [0.0, 0.0, 1.0, 1.0]])
-    for order in (corners, corners[:, ::-1]):
+    closed = np.concatenate([corners, corners[:, :1]], axis=1)
+    for order in (corners, corners[:, ::-1], closed):
         normals, offsets, _ = polygon(order)
+        assert normals.shape == (2, 4)
         assert np.all(normals.T @ np.array([[0.5], [0.5]]) < offsets[:, None])
 
 
@@ -179,6 +181,11 @@ def test_a_polygon_may_be_given_either_way_round():
         ({"wheel_disturbance": -1.0}, "wheel_disturbance"),
         ({"on_infeasible": "ignore"}, "on_infeasible"),
         ({"tilt": np.nan}, "tilt"),
+        ({"tilt": "left"}, "tilt"),
+        ({"deadlock": True}, "deadlock"),
+        ({"solver": ["nnls"]}, "solver"),
+        ({"obstacles": Disc((0.0, 0.0), 0.1)}, "obstacles"),
+        ({"obstacles": [(0.0, 0.0)]}, "obstacles"),
         ({"options": {"maxiter": 5}}, "options"),
     ],
     ids=lambda value: str(value),
@@ -194,6 +201,10 @@ def test_parameters_are_checked_and_named(wrong, named):
         lambda: Disc((0.0, 0.0), -0.1),
         lambda: Disc((np.nan, 0.0), 0.1),
         lambda: Segment((0.0, 0.0), (0.0,)),
+        lambda: Disc("ab", 0.1),
+        lambda: Disc(((0.0, 1.0), 0.0), 0.1),
+        lambda: Disc((0.0, 0.0), None),
+        lambda: setattr(SingleIntegratorCertificate(), "obstacles", None),
         lambda: VelocityPolygon.octagon(-0.1),
         lambda: SingleIntegratorCertificate(speed_shape="circle"),
     ],
@@ -201,3 +212,12 @@ def test_parameters_are_checked_and_named(wrong, named):
 def test_obstacles_and_limits_are_checked(make):
     with pytest.raises(ParameterError, match="expected"):
         make()
+
+
+def test_there_are_no_margins_or_commands_of_what_is_not_a_number():
+    with pytest.raises(NotFiniteError):
+        SingleIntegratorCertificate().margins([[0.0, np.nan], [0.0, 0.0]])
+    with pytest.raises(NotFiniteError):
+        UnicycleCertificate().commands([[np.nan], [0.0]], np.zeros((3, 1)))
+    with pytest.raises(NotFiniteError):
+        UnicycleCertificate().commands([[0.0], [0.0]], [[0.0], [0.0], [np.inf]])

@@ -138,6 +138,31 @@ def test_a_solver_that_gives_up_is_not_believed():
     np.testing.assert_allclose(velocity, expected, atol=1e-12)
 
 
+def test_an_interior_point_short_of_the_optimum_is_not_taken_for_it():
+    """cvxopt says "unknown" when its iterations run out, however far it still has to go."""
+    pytest.importorskip("cvxopt")
+    command, positions = state(3, 12, "packed")
+    expected, _ = SingleIntegratorCertificate(RADIUS, boundary=ARENA)(command, positions)
+    for iterations in (1, 2, 4, 8):
+        options = {"maxiters": iterations}
+        certificate = SingleIntegratorCertificate(
+            RADIUS, boundary=ARENA, solver="cvxopt", options=options
+        )
+        velocity, info = certificate(command, positions)
+        assert info.status == "optimal"
+        np.testing.assert_allclose(velocity, expected, atol=1.5e-5)
+
+
+@pytest.mark.parametrize("name", solvers.NAMES)
+@pytest.mark.parametrize("options", [{"no_such_option": 1}, {"maxiter": "many"}])
+def test_options_that_a_solver_does_not_have_are_refused(name, options):
+    if not solvers.installed(name):
+        pytest.skip(f"{name} is not installed")
+    certificate = SingleIntegratorCertificate(solver=name, options=options)
+    with pytest.raises(ParameterError, match=name):
+        certificate([[0.2, -0.2], [0.0, 0.0]], [[-0.1, 0.1], [0.0, 0.0]])
+
+
 @pytest.mark.parametrize("number", [60, 250])
 def test_leaving_out_far_pairs_changes_nothing(number):
     """A large team with a k-d tree gets the answer that all pairs give."""
