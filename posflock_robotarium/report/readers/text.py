@@ -12,13 +12,16 @@ from __future__ import annotations
 import csv
 import io
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.errors import LogError
+from posflock_robotarium.report.readers import parameters
 from posflock_robotarium.report.readers.layouts import COLUMN_ORDERS, increases, to_poses
 from posflock_robotarium.report.readers.recording import LayoutError
 
@@ -51,6 +54,7 @@ class Table:
     names: tuple[str, ...]
     delimiter: str
     first_line: int
+    parameters: Mapping[str, Any] = field(default_factory=dict)
 
 
 def read_table(path: Path) -> Table:
@@ -99,12 +103,12 @@ def read_table(path: Path) -> Table:
         raise LogError(
             f"{path}: the header names {len(names)} columns, the rows have {values.shape[1]}"
         )
-    return Table(values, names, delimiter, start + 1)
+    return Table(values, names, delimiter, start + 1, _parameters(path, lines[:start]))
 
 
 def read_text(
     path: Path, layout: str | None = None, columns: str | None = None
-) -> tuple[Floats | None, Floats, list[str]]:
+) -> tuple[Floats | None, Floats, list[str], Mapping[str, Any]]:
     """Read poses (and times, if there are any) from a text file.
 
     Parameters
@@ -125,6 +129,8 @@ def read_text(
         Metres and radians.
     notes : list of str
         How it was read.
+    parameters : mapping
+        What a comment in front of the table says about the run, if one does.
 
     Raises
     ------
@@ -147,8 +153,12 @@ def read_text(
     elif names and layout is None and order is None:
         notes.append("columns found by their names in the header")
     if names and layout is None and order is None:
-        return *_by_name(path, table, names, notes), notes
-    return *_without_names(path, table.values, layout, order, notes), notes
+        t, poses = _by_name(path, table, names, notes)
+    else:
+        t, poses = _without_names(path, table.values, layout, order, notes)
+    if table.parameters:
+        notes.append("parameters of the run came with the file")
+    return t, poses, notes, table.parameters
 
 
 def _without_names(
@@ -264,6 +274,15 @@ def _content(line: str) -> str:
     for mark in "#%":
         line = line.split(mark, 1)[0]
     return line.strip()
+
+
+def _parameters(path: Path, above: list[str]) -> dict[str, Any]:
+    """Read the comment in which a converted log carries its parameters."""
+    mark = f"# {parameters.NAME}: "
+    for number, line in enumerate(above, start=1):
+        if line.startswith(mark):
+            return parameters.from_json(line[len(mark) :], f"{path}: line {number}")
+    return {}
 
 
 def _commented_header(lines: list[str], start: int, delimiter: str) -> tuple[str, ...] | None:
