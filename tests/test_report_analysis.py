@@ -296,6 +296,16 @@ def test_options_are_checked(wrong):
         AnalysisOptions(**wrong)
 
 
+def test_a_settling_time_beyond_the_end_is_refused():
+    flock = known_flock("parallel", 0.1, duration=4.0)
+    for settle in (4.0, 30.0):
+        with pytest.raises(ParameterError, match=r"--settle is \d+ s, but the run ends after 3\.9"):
+            analyse(flock.recording, AnalysisOptions(radius=flock.radius, settle=settle))
+    late = analyse(flock.recording, AnalysisOptions(radius=flock.radius, settle=2.0))
+    assert late.settled.sum() == (flock.recording.t > 2.0).sum()
+    assert analyse(flock.recording, radius=flock.radius).settled.all()
+
+
 def test_a_killed_run_is_not_the_whole_run():
     analysis = parked(parameters={"ended": {"how": "running"}, "duration": 120.0})
     assert verdict(analysis, "whole run").mark == "caution"

@@ -44,7 +44,14 @@ Radius = Annotated[
 ]
 Window = Annotated[float, typer.Option(help="Seconds of the Savitzky-Golay window.")]
 Slowest = Annotated[float, typer.Option(help="m/s up to which a robot has no direction.")]
-Settle = Annotated[float, typer.Option(help="Seconds at the start that settled means leave out.")]
+Settle = Annotated[
+    float | None,
+    typer.Option(
+        help="Seconds at the start that settled means leave out; 20 by default, none of a shorter "
+        "run.",
+        show_default=False,
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print the summary as JSON, nothing else.")]
 
 
@@ -60,7 +67,7 @@ def report(
     radius: Radius = None,
     window: Window = 0.36,
     slowest: Slowest = 0.01,
-    settle: Settle = 20.0,
+    settle: Settle = None,
     latex: Annotated[bool, typer.Option("--latex", help="Also write table.tex.")] = False,
     figures: Annotated[bool, typer.Option(help="Draw figures/*.pdf and *.png.")] = True,
     json: Json = False,
@@ -152,7 +159,7 @@ def compare(
     radius: Radius = None,
     window: Window = 0.36,
     slowest: Slowest = 0.01,
-    settle: Settle = 20.0,
+    settle: Settle = None,
     json: Json = False,
 ) -> None:
     """Put runs side by side: every number, mean and 95 % interval, differences.
@@ -274,7 +281,7 @@ def _analyse(
     radius: float | None,
     window: float,
     slowest: float,
-    settle: float,
+    settle: float | None,
     join: bool,
 ) -> list["Analysis"]:
     from posflock_robotarium.commands.terminal import progress

@@ -1,8 +1,9 @@
 """A log in other tools' formats: MATLAB, CSV, NumPy, and MCAP for Foxglove.
 
 What is written as ``.mat``, ``.csv`` or ``.npz`` is read back by `readers.read` as the same
-recording, to the last bit, with its parameters (CSV: poses and parameters). MCAP carries JSON messages in Foxglove's own well-known schemas, so the
-3D panel shows the robots without any extension.
+recording, to the last bit, with its parameters; a CSV holds poses and parameters alone. MCAP
+carries JSON messages in Foxglove's own well-known schemas, so the 3D panel shows the robots
+without any extension.
 """
 
 from __future__ import annotations
@@ -78,7 +79,7 @@ def _write_mat(recording: Recording, path: Path) -> None:
 
 
 def _write_csv(recording: Recording, path: Path) -> None:
-    """Write the parameters as a comment, then one row a sample: t, x1, y1, theta1, x2, …"""
+    """Write the parameters as a comment, then one row a sample: t, x1, y1, theta1, x2 and so on."""
     names = [
         f"{state}{robot + 1}" for robot in range(recording.robots) for state in ("x", "y", "theta")
     ]

@@ -124,7 +124,7 @@ def poses_among(
     if described is not None:
         said = parameters.from_array(described, f"{where}: {parameters.NAME}")
         notes.append("parameters of the run came with the file")
-    steps = {
+    steps: dict[str, NDArray[Any]] = {
         name: values
         for name in ("moved", "smallest_h", "status")
         if name in arrays and (values := _each_step(name, arrays[name], len(poses))) is not None
