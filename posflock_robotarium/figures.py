@@ -87,11 +87,11 @@ def alignment_over_time(log: Log, radius: float | None = None) -> Figure:
     positions = log.poses[:, :2]
     motion = metrics.smoothed_velocities(positions, _time_step(log))
     low = 0.0
-    for velocities, label, colour, dash in (
-        (metrics.heading_vectors(log.poses), "headings", BLUE, "-"),
-        (motion, "motion", ORANGE, (0, (4, 1.5))),
+    for velocities, slowest, label, colour, dash in (
+        (metrics.heading_vectors(log.poses), 0.0, "headings", BLUE, "-"),
+        (motion, metrics.SLOWEST, "motion", ORANGE, (0, (4, 1.5))),
     ):
-        gamma = metrics.alignment(velocities, positions, reach).gamma
+        gamma = metrics.alignment(velocities, positions, reach, slowest=slowest).gamma
         axes.plot(log.t, gamma, color=colour, linestyle=dash, linewidth=1.2, label=label)
         low = min(low, float(np.nanmin(gamma, initial=0.0)))
     axes.set(

@@ -26,7 +26,8 @@ class Summary:
     duration, settled : float
         Seconds.
     gamma_headings, gamma_motion : float
-        Mean γ from where robots point and from where they go (Savitzky-Golay).
+        Mean γ from where robots point and from where they go (Savitzky-Golay; robots no faster
+        than `metrics.SLOWEST` have no direction), as the report has it; NaN where undefined.
     mean_speed : float
         m/s.
     smallest_distance, smallest_wall_distance : float
@@ -111,12 +112,13 @@ def summarise(log: Log, radius: float | None = None, settled: float = SETTLED) -
     velocities = metrics.smoothed_velocities(positions, time_step)
     late = log.t > settled if log.t[-1] > settled else np.ones(len(log.t), dtype=bool)
     headings = metrics.heading_vectors(log.poses[late])
+    motion = metrics.alignment(velocities[late], positions[late], radius, slowest=metrics.SLOWEST)
     walls = metrics.wall_distance(positions)
     return Summary(
         duration=float(log.t[-1] + time_step),
         settled=settled if log.t[-1] > settled else 0.0,
         gamma_headings=_mean(metrics.alignment(headings, positions[late], radius).gamma),
-        gamma_motion=_mean(metrics.alignment(velocities[late], positions[late], radius).gamma),
+        gamma_motion=_mean(motion.gamma),
         mean_speed=float(metrics.mean_speed(velocities[late]).mean()),
         smallest_distance=float(metrics.smallest_distance(positions).min()),
         smallest_wall_distance=float(walls.min()),

@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 
 from posflock_robotarium.errors import LogError, OutputError, ParameterError
 from posflock_robotarium.flock import WALLS
+from posflock_robotarium.metrics import SLOWEST
 from posflock_robotarium.report.curves import Curves, compute
 from posflock_robotarium.report.estimators import ESTIMATORS, WINDOW, estimate
 from posflock_robotarium.report.numbers import Number, Situation, numbers_of
@@ -56,8 +57,7 @@ class AnalysisOptions:
     window : float
         Seconds of the Savitzky-Golay window.
     slowest : float
-        Speed in m/s up to which a robot has no direction of motion. The default is seven times
-        the speed that 0.5 mm of tracking noise pretends within the default window.
+        Speed in m/s up to which a robot has no direction of motion. See `metrics.SLOWEST`.
     threshold : float
         γ from which the flock counts as aligned.
     settle : float, optional
@@ -72,7 +72,7 @@ class AnalysisOptions:
 
     radius: float | tuple[float, ...] | None = None
     window: float = WINDOW
-    slowest: float = 0.01
+    slowest: float = SLOWEST
     threshold: float = 0.9
     settle: float | None = None
 
