@@ -104,10 +104,8 @@ def summarise(log: Log, radius: float | None = None, settled: float = SETTLED) -
             f"the log holds {len(log.t)} rows; at least {metrics.SMOOTHING_POINTS} are needed"
             " to tell directions of motion"
         )
-    radius = log.metadata.get("neighbour_radius") if radius is None else radius
-    if radius is None:
-        raise LogError("the log does not tell the neighbour radius; give it")
-    time_step = float(np.median(np.diff(log.t)))
+    radius = log.neighbour_radius(radius)
+    time_step = log.time_step
     positions = log.poses[:, :2]
     velocities = metrics.smoothed_velocities(positions, time_step)
     late = log.t > settled if log.t[-1] > settled else np.ones(len(log.t), dtype=bool)
