@@ -374,3 +374,12 @@ def test_simulation_and_reality_side_by_side():
     assert len({a.name for a in comparison.analyses}) == 3
     with pytest.raises(ParameterError, match="labels"):
         compare(runs, ["a"])
+
+
+def test_three_frames_do_not_tell_whether_a_flock_aligned():
+    flock = known_flock("parallel", 0.1, duration=2.0)
+    short = dataclasses.replace(
+        flock.recording, t=flock.recording.t[:3], poses=flock.recording.poses[:3]
+    )
+    answer = verdict(analyse(short, radius=flock.radius), "align")
+    assert (answer.mark, answer.answer) == ("unknown", "Too short to tell.")

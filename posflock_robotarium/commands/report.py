@@ -156,6 +156,7 @@ def compare(
     columns: Columns = None,
     dt: Step = None,
     array: Array = None,
+    drop_damaged: DropDamaged = False,
     radius: Radius = None,
     window: Window = 0.36,
     slowest: Slowest = 0.01,
@@ -175,7 +176,7 @@ def compare(
     from posflock_robotarium.report.comparison import compare as compare_runs
 
     with _resimulated(runs, resimulate) as logs:
-        reading = _options(layout, columns, dt, array, False)
+        reading = _options(layout, columns, dt, array, drop_damaged)
         analyses = _analyse(logs, reading, radius, window, slowest, settle, False)
     comparison = compare_runs(analyses, labels.split(",") if labels else None)
     if json:
@@ -208,6 +209,7 @@ def replay(
     columns: Columns = None,
     dt: Step = None,
     array: Array = None,
+    drop_damaged: DropDamaged = False,
 ) -> None:
     """Film a run from above.
 
@@ -220,7 +222,7 @@ def replay(
     from posflock_robotarium.report.analysis import robot_of
     from posflock_robotarium.report.video import write_video
 
-    recording = read(log, _options(layout, columns, dt, array, False))
+    recording = read(log, _options(layout, columns, dt, array, drop_damaged))
     with progress("filming") as told:
         write_video(
             recording, video, fps=fps, speed=speed, robot=robot_of(recording)[0], progress=told
@@ -243,6 +245,7 @@ def convert(
     columns: Columns = None,
     dt: Step = None,
     array: Array = None,
+    drop_damaged: DropDamaged = False,
 ) -> None:
     """Write a log in another tool's format.
 
@@ -260,7 +263,9 @@ def convert(
         raise ParameterError(f"--out {target} does not end in .{to}")
     if target.exists() and target.resolve() == log.resolve():
         raise ParameterError(f"{target} is the log itself; name another file with --out")
-    typer.echo(f"wrote {write(read(log, _options(layout, columns, dt, array, False)), target)}")
+    typer.echo(
+        f"wrote {write(read(log, _options(layout, columns, dt, array, drop_damaged)), target)}"
+    )
 
 
 def _options(

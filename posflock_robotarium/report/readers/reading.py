@@ -31,6 +31,9 @@ from posflock_robotarium.report.readers.text import STATE_NAMES, TIME_NAMES, rea
 
 Floats = NDArray[np.float64]
 
+LONGEST_STEP = 5.0
+"""Seconds between poses beyond which nothing is told of motion, and times have another unit."""
+
 
 def read(path: str | os.PathLike[str], options: ReadOptions | None = None) -> Recording:
     """Read one run from one file of any known kind.
@@ -166,6 +169,11 @@ def _recording(
         notes.append(f"no time in the file: samples {dt:g} s apart")
     if len(t) != len(poses):
         raise LogError(f"{where}: {len(t)} times for {len(poses)} poses")
+    if len(t) > 1 and (step := float(np.median(np.diff(t)))) > LONGEST_STEP:
+        raise LayoutError(
+            f"{where}: {step:g} s from one pose to the next, expected at most {LONGEST_STEP:g} s: "
+            "are the times in milliseconds? Write them in seconds, or name the column time_ms"
+        )
     reached = _reached(poses)
     if reached < len(poses):
         notes.append(f"cut at row {reached} of {len(poses)}: the rest was never filled in")

@@ -41,6 +41,9 @@ _STATE_OF = {name: state for state, names in STATE_NAMES.items() for name in nam
 _STATE_FIRST = re.compile(
     r"(?P<state>[a-zθ]+(?:_(?:m|rad))?)[\s_.\-]*[\[({]?(?P<robot>\d+)[\])}]?(?:_(?:m|rad))?"
 )
+_MILLISECONDS = re.compile(
+    rf"(?P<name>{'|'.join(TIME_NAMES)})[\s_]*[\[(]?(?:ms|msec|milliseconds)[\])]?"
+)
 _ROBOT_FIRST = re.compile(
     r"(?:robot|agent|r)?[\s_.\-]*(?P<robot>\d+)[\s_.\-:/]*(?P<state>[a-zθ_]+)"
 )
@@ -55,6 +58,7 @@ class Table:
     delimiter: str
     first_line: int
     parameters: Mapping[str, Any] = field(default_factory=dict)
+    decimal_comma: bool = False
 
 
 def read_table(path: Path) -> Table:
@@ -91,6 +95,15 @@ def read_table(path: Path) -> Table:
     if start is None:
         raise LogError(f"{path}: empty, no row of numbers in it")
     delimiter = _delimiter(_content(lines[start]))
+    # Between semicolons, and with no point in any row, a comma is a decimal one (Excel in Europe).
+    rows = lines[start + 1 :] or lines[start:]
+    decimal_comma = (
+        delimiter == ";"
+        and any("," in _content(line) for line in rows)
+        and not any("." in _content(line) for line in rows)
+    )
+    if decimal_comma:
+        lines = lines[:start] + [line.replace(",", ".") for line in lines[start:]]
     names: tuple[str, ...] = ()
     cells = _split(_content(lines[start]), delimiter)
     if not any(_is_number(cell) for cell in cells):
@@ -103,7 +116,9 @@ def read_table(path: Path) -> Table:
         raise LogError(
             f"{path}: the header names {len(names)} columns, the rows have {values.shape[1]}"
         )
-    return Table(values, names, delimiter, start + 1, _parameters(path, lines[:start]))
+    return Table(
+        values, names, delimiter, start + 1, _parameters(path, lines[:start]), decimal_comma
+    )
 
 
 def read_text(
@@ -140,6 +155,8 @@ def read_text(
     table = read_table(path)
     separator = {",": "comma", ";": "semicolon", "\t": "tab", " ": "blank"}[table.delimiter]
     notes = [f"text, {separator} separated, {table.values.shape[0]} rows"]
+    if table.decimal_comma:
+        notes.append("commas between digits are decimal points")
     names = table.names
     order = columns if columns is None or columns in COLUMN_ORDERS else None
     if columns is not None and order is None:
@@ -188,8 +205,13 @@ def _by_name(
     plain: dict[str, int] = {}
     numbered: dict[tuple[str, str], int] = {}
     unused: list[str] = []
+    unit = 1.0
     for index, name in enumerate(names):
         word = name.lower().strip()
+        if (milli := _MILLISECONDS.fullmatch(word)) is not None and time_column is None:
+            time_column, unit = index, 1e-3
+            notes.append(f"{name}: milliseconds, by its name; {milli['name']} taken in seconds")
+            continue
         bare = re.sub(r"\s*[\[(].*?(?:m|s|rad|sec)[\])]$", "", word)
         if bare in TIME_NAMES and time_column is None:
             time_column = index
@@ -219,7 +241,8 @@ def _by_name(
     elif len(plain) == 3:
         chosen = np.array([[plain[state]] for state in STATE_NAMES])
         if robot_column is not None:
-            return _long(path, table, time_column, robot_column, chosen[:, 0], notes)
+            times, poses = _long(path, table, time_column, robot_column, chosen[:, 0], notes)
+            return times * unit, poses
         poses = values[:, chosen]
     else:
         raise LayoutError(
@@ -227,7 +250,7 @@ def _by_name(
             "name them all with --columns t,x1,y1,theta1,… (- for one to leave out), "
             "or give their order with --columns state or robot"
         )
-    t = values[:, time_column] if time_column is not None else None
+    t = values[:, time_column] * unit if time_column is not None else None
     notes.append(f"{poses.shape[2]} robot(s) found by column name")
     return t, poses
 
@@ -302,7 +325,7 @@ def _commented_header(lines: list[str], start: int, delimiter: str) -> tuple[str
 
 
 def _delimiter(line: str) -> str:
-    return next((mark for mark in (",", ";", "\t") if mark in line), " ")
+    return next((mark for mark in (";", ",", "\t") if mark in line), " ")
 
 
 def _split(line: str, delimiter: str) -> list[str]:
