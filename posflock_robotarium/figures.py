@@ -83,15 +83,15 @@ def alignment_over_time(log: Log, radius: float | None = None) -> Figure:
     """Draw γ over time, from headings and from motion (paper, Fig. 8)."""
     figure = new_figure(3.5, 2.4)
     axes = figure.subplots()
-    reach = _radius(log, radius)
+    reach = log.neighbour_radius(radius)
     positions = log.poses[:, :2]
-    motion = metrics.smoothed_velocities(positions, _time_step(log))
+    motion = metrics.smoothed_velocities(positions, log.time_step)
     low = 0.0
-    for velocities, label, colour, dash in (
-        (metrics.heading_vectors(log.poses), "headings", BLUE, "-"),
-        (motion, "motion", ORANGE, (0, (4, 1.5))),
+    for velocities, slowest, label, colour, dash in (
+        (metrics.heading_vectors(log.poses), 0.0, "headings", BLUE, "-"),
+        (motion, metrics.SLOWEST, "motion", ORANGE, (0, (4, 1.5))),
     ):
-        gamma = metrics.alignment(velocities, positions, reach).gamma
+        gamma = metrics.alignment(velocities, positions, reach, slowest=slowest).gamma
         axes.plot(log.t, gamma, color=colour, linestyle=dash, linewidth=1.2, label=label)
         low = min(low, float(np.nanmin(gamma, initial=0.0)))
     axes.set(
@@ -131,7 +131,7 @@ def distances_and_speeds(log: Log) -> Figure:
     left.set_ylim(0, 1.32 * max(float(values.max()) for values, *_ in curves))
     left.legend(loc="upper right", ncols=2)
 
-    velocities = metrics.smoothed_velocities(positions, _time_step(log))
+    velocities = metrics.smoothed_velocities(positions, log.time_step)
     speeds = np.sqrt(np.square(velocities).sum(axis=1))
     right.fill_between(
         log.t,
@@ -195,14 +195,3 @@ def _robot(axes: Axes, pose: NDArray[np.float64]) -> None:
         Polygon((turn @ body + place).T, facecolor=BLUE, edgecolor=BLACK, linewidth=0.4, zorder=2)
     )
     axes.add_patch(Polygon((turn @ arrow + place).T, facecolor="white", linewidth=0, zorder=3))
-
-
-def _radius(log: Log, radius: float | None) -> float:
-    known = log.metadata.get("neighbour_radius") if radius is None else radius
-    if known is None:
-        raise LogError("the log does not tell the neighbour radius; give it")
-    return float(known)
-
-
-def _time_step(log: Log) -> float:
-    return float(np.median(np.diff(log.t)))

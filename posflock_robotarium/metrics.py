@@ -40,6 +40,10 @@ Floats = NDArray[np.float64]
 #: cosine of 0.9997 where one-frame differences give 0.97 at 0.05 m/s.
 SMOOTHING_POINTS = 11
 
+#: m/s up to which a robot seen by the tracker has no direction of motion: seven times the speed
+#: that 0.5 mm of noise pretends within those eleven points.  Whatever judges a log takes it.
+SLOWEST = 0.01
+
 
 @dataclass(frozen=True, eq=False)
 class Alignment:

@@ -260,6 +260,32 @@ class Log:
         """N."""
         return int(self.poses.shape[2])
 
+    @property
+    def time_step(self) -> float:
+        """Median time between rows, seconds; a :class:`LogError` where there is one row or none."""
+        if len(self.t) < 2:
+            raise LogError(f"the log holds {len(self.t)} row(s); a time step needs two")
+        return float(np.median(np.diff(self.t)))
+
+    def neighbour_radius(self, given: float | None = None) -> float:
+        """Return the neighbour radius in metres: the one given, else what the log says.
+
+        Raises
+        ------
+        LogError
+            Where neither tells it, or it is no length.
+        """
+        radius = self.metadata.get("neighbour_radius") if given is None else given
+        if radius is None:
+            raise LogError("the log does not tell the neighbour radius; give it in metres")
+        try:
+            metres = float(radius)
+        except (TypeError, ValueError):
+            metres = math.nan
+        if not 0.0 < metres < math.inf:
+            raise LogError(f"neighbour radius is {radius!r}; expected metres above 0")
+        return metres
+
 
 def read_log(path: str | os.PathLike[str]) -> Log:
     """Read the rows that a run reached, whether it ended well, was killed, or still runs.

@@ -26,7 +26,8 @@ class Summary:
     duration, settled : float
         Seconds.
     gamma_headings, gamma_motion : float
-        Mean γ from where robots point and from where they go (Savitzky-Golay).
+        Mean γ from where robots point and from where they go (Savitzky-Golay; robots no faster
+        than `metrics.SLOWEST` have no direction), as the report has it; NaN where undefined.
     mean_speed : float
         m/s.
     smallest_distance, smallest_wall_distance : float
@@ -103,20 +104,19 @@ def summarise(log: Log, radius: float | None = None, settled: float = SETTLED) -
             f"the log holds {len(log.t)} rows; at least {metrics.SMOOTHING_POINTS} are needed"
             " to tell directions of motion"
         )
-    radius = log.metadata.get("neighbour_radius") if radius is None else radius
-    if radius is None:
-        raise LogError("the log does not tell the neighbour radius; give it")
-    time_step = float(np.median(np.diff(log.t)))
+    radius = log.neighbour_radius(radius)
+    time_step = log.time_step
     positions = log.poses[:, :2]
     velocities = metrics.smoothed_velocities(positions, time_step)
     late = log.t > settled if log.t[-1] > settled else np.ones(len(log.t), dtype=bool)
     headings = metrics.heading_vectors(log.poses[late])
+    motion = metrics.alignment(velocities[late], positions[late], radius, slowest=metrics.SLOWEST)
     walls = metrics.wall_distance(positions)
     return Summary(
         duration=float(log.t[-1] + time_step),
         settled=settled if log.t[-1] > settled else 0.0,
         gamma_headings=_mean(metrics.alignment(headings, positions[late], radius).gamma),
-        gamma_motion=_mean(metrics.alignment(velocities[late], positions[late], radius).gamma),
+        gamma_motion=_mean(motion.gamma),
         mean_speed=float(metrics.mean_speed(velocities[late]).mean()),
         smallest_distance=float(metrics.smallest_distance(positions).min()),
         smallest_wall_distance=float(walls.min()),

@@ -107,3 +107,31 @@ def test_files_that_are_no_pose_log_are_named(tmp_path):
     (tmp_path / "cut.npy").write_bytes(b"\x93NUMPY\x01\x00")
     with pytest.raises(LogError, match="not a readable NumPy file"):
         read_log(tmp_path / "cut")
+
+
+def test_a_log_tells_its_time_step_and_neighbour_radius(tmp_path):
+    with PoseLog(tmp_path / "run", 1, 3, {"neighbour_radius": 0.75}) as writer:
+        for t in (0.0, 0.033, 0.066, 0.5):  # the median is blind to one slow step
+            writer.append(t, np.zeros((3, 1)), np.zeros((2, 1)))
+    log = read_log(tmp_path / "run")
+    assert log.time_step == pytest.approx(0.033)
+    assert log.neighbour_radius() == 0.75
+    assert log.neighbour_radius(0.4) == 0.4
+
+
+@pytest.mark.parametrize(
+    ("said", "reason"),
+    [
+        ({}, "give it in metres"),
+        ({"neighbour_radius": -1.0}, "above 0"),
+        ({"neighbour_radius": "far"}, "'far'; expected metres"),
+    ],
+)
+def test_a_log_without_a_sound_radius_asks_for_it(tmp_path, said, reason):
+    with PoseLog(tmp_path / "run", 1, 1, said) as writer:
+        writer.append(0.0, np.zeros((3, 1)), np.zeros((2, 1)))
+    log = read_log(tmp_path / "run")
+    with pytest.raises(LogError, match=reason):
+        log.neighbour_radius()
+    with pytest.raises(LogError, match="a time step needs two"):
+        _ = log.time_step

@@ -1,6 +1,7 @@
 """What an analysis says is what the metrics say, and its verdicts are true."""
 
 import dataclasses
+import inspect
 import subprocess
 import sys
 from pathlib import Path
@@ -9,11 +10,14 @@ import numpy as np
 import pytest
 
 from posflock_robotarium import metrics
+from posflock_robotarium.commands.report import report as report_command
 from posflock_robotarium.errors import LogError, ParameterError
+from posflock_robotarium.poselog import PoseLog, read_log
 from posflock_robotarium.report import AnalysisOptions, Recording, analyse, load
 from posflock_robotarium.report.comparison import compare, distinctly_named, spread_of
 from posflock_robotarium.report.truth import known_flock
 from posflock_robotarium.report.verdicts import headline
+from posflock_robotarium.summary import summarise
 
 ROOT = Path(__file__).parents[1]
 
@@ -64,6 +68,33 @@ def test_the_nine_robots_agree_with_the_metrics(nine_robots):
         mean = float(expected[key][late].mean())
         assert nine_robots.numbers[key].value == pytest.approx(mean, rel=0, abs=1e-12)
     assert nine_robots.numbers["collision_steps"].value == metrics.colliding_pairs(poses).sum()
+
+
+def one_parks(folder):
+    """A log of which robot 1 stands still after a third, seen with tracking noise."""
+    flock = known_flock("parallel", 0.1, duration=6.0).recording
+    poses = flock.poses.copy()
+    stop = len(poses) // 3
+    noise = np.random.default_rng(1).normal(scale=5e-4, size=(len(poses) - stop, 3))
+    poses[stop:, :, 0] = poses[stop, :, 0] + noise
+    with PoseLog(folder / "run", flock.robots, len(flock.t), {"neighbour_radius": 0.72}) as writer:
+        for t, pose in zip(flock.t, poses, strict=True):
+            writer.append(t, pose, np.zeros((2, flock.robots)))
+    return folder / "run.npy"
+
+
+def test_summary_and_report_agree_about_robots_that_stand(tmp_path):
+    path = one_parks(tmp_path)
+    numbers, summary = analyse(path).numbers, summarise(read_log(path))
+    assert summary.gamma_motion == pytest.approx(numbers["gamma_motion"].value, rel=0, abs=1e-12)
+    assert summary.gamma_headings == pytest.approx(
+        numbers["gamma_headings"].value, rel=0, abs=1e-12
+    )
+
+
+def test_a_robot_stands_by_one_measure_everywhere():
+    default = inspect.signature(report_command).parameters["slowest"].default
+    assert default == AnalysisOptions().slowest == metrics.SLOWEST
 
 
 def test_the_nine_robots_flock(nine_robots):
@@ -296,6 +327,16 @@ def test_options_are_checked(wrong):
         AnalysisOptions(**wrong)
 
 
+def test_a_settling_time_beyond_the_end_is_refused():
+    flock = known_flock("parallel", 0.1, duration=4.0)
+    for settle in (4.0, 30.0):
+        with pytest.raises(ParameterError, match=r"--settle is \d+ s, but the run ends after 3\.9"):
+            analyse(flock.recording, AnalysisOptions(radius=flock.radius, settle=settle))
+    late = analyse(flock.recording, AnalysisOptions(radius=flock.radius, settle=2.0))
+    assert late.settled.sum() == (flock.recording.t > 2.0).sum()
+    assert analyse(flock.recording, radius=flock.radius).settled.all()
+
+
 def test_a_killed_run_is_not_the_whole_run():
     analysis = parked(parameters={"ended": {"how": "running"}, "duration": 120.0})
     assert verdict(analysis, "whole run").mark == "caution"
@@ -333,3 +374,12 @@ def test_simulation_and_reality_side_by_side():
     assert len({a.name for a in comparison.analyses}) == 3
     with pytest.raises(ParameterError, match="labels"):
         compare(runs, ["a"])
+
+
+def test_three_frames_do_not_tell_whether_a_flock_aligned():
+    flock = known_flock("parallel", 0.1, duration=2.0)
+    short = dataclasses.replace(
+        flock.recording, t=flock.recording.t[:3], poses=flock.recording.poses[:3]
+    )
+    answer = verdict(analyse(short, radius=flock.radius), "align")
+    assert (answer.mark, answer.answer) == ("unknown", "Too short to tell.")

@@ -50,6 +50,53 @@ def test_what_is_converted_is_read_back_to_the_last_bit(tmp_path, recording, end
         np.testing.assert_array_equal(again.command, recording.command)
 
 
+@pytest.mark.parametrize("ending", ["mat", "csv", "npz"])
+def test_a_converted_log_reports_the_same_without_being_told_more(tmp_path, ending):
+    flock = known_flock("rotating", 0.1, duration=4.0).recording
+    described = {
+        "neighbour_radius": 0.72,
+        "time_step": 0.033,
+        "arena": [-1.0, 1.0, -0.9, 0.9],
+        "api_generation": 1,
+        "simulated": True,
+        "note": 'θ, "quoted" # and\nbroken\u2028',
+        "ended": {"how": "interrupted", "reason": "a human"},
+    }
+    with PoseLog(tmp_path / "run", flock.robots, len(flock.t) + 5, described) as writer:
+        for k, t in enumerate(flock.t):
+            command = np.full((2, flock.robots), 0.1)
+            status = ("trivial", "optimal", "relaxed")[k % 3]
+            writer.append(t, flock.poses[k], command, status=status, moved=k * 1e-4, smallest_h=0.1)
+        writer.close("interrupted", "a human")
+    original = analyse(tmp_path / "run.npy")
+    again = analyse(convert(original.recording, tmp_path / f"run.{ending}"))
+    assert again.recording.parameters == original.recording.parameters
+    assert again.recording.parameters["note"] == described["note"]
+    assert again.options == original.options
+    assert (again.robot, again.origin) == (original.robot, original.origin)
+    if ending != "csv":  # a table of poses: neither commands nor what the certificate did
+        assert again.numbers.keys() == original.numbers.keys()
+        assert again.verdicts == original.verdicts
+    for key, number in again.numbers.items():
+        np.testing.assert_equal(number.value, original.numbers[key].value, err_msg=key)
+
+
+def test_damaged_parameters_are_named(tmp_path, recording):
+    described = dataclasses.replace(recording, parameters={"neighbour_radius": 0.72})
+    table = convert(described, tmp_path / "run.csv")
+    table.write_text(table.read_text().replace("0.72}", "0.72"))
+    with pytest.raises(LogError, match="line 1: not readable as JSON"):
+        read(table)
+    np.savez(
+        tmp_path / "run.npz",
+        t=recording.t,
+        poses=recording.poses,
+        posflock_parameters=np.array([0.5, 300.0]),
+    )
+    with pytest.raises(LogError, match="posflock_parameters: expected bytes"):
+        read(tmp_path / "run.npz")
+
+
 def test_mcap_holds_foxgloves_messages(tmp_path, recording):
     reader = pytest.importorskip("mcap.reader")
     path = convert(recording, tmp_path / "run.mcap")
@@ -258,3 +305,15 @@ def test_replay_and_convert_commands(log, tmp_path):
 )
 def test_numbers_as_people_read_them(value, unit, text):
     assert number_text(value, unit) == text
+
+
+def test_damaged_rows_can_be_left_out_by_every_command(tmp_path, recording):
+    poses = recording.poses.copy()
+    poses[5:8, 0, 1] = np.nan
+    np.savez(tmp_path / "run.npz", t=recording.t, poses=poses)
+    with pytest.raises(LogError, match="--drop-damaged"):
+        posflock("convert", tmp_path / "run.npz", "--to", "csv")
+    posflock("convert", tmp_path / "run.npz", "--to", "csv", "--drop-damaged")
+    assert len(read(tmp_path / "run.csv").t) == len(recording.t) - 3
+    words = ["--radius", "0.72", "--drop-damaged"]
+    posflock("compare", tmp_path / "run.npz", tmp_path / "run.csv", *words)

@@ -464,3 +464,30 @@ def test_numbers_that_do_not_fit_are_refused_not_warned_about(tmp_path):
     np.save(tmp_path / "wide.npy", wide)
     with pytest.raises(LogError, match="row 3: x of robot 0 is inf"):
         read(tmp_path / "wide.npy", ReadOptions(dt=STEP))
+
+
+def test_decimal_commas_between_semicolons(tmp_path):
+    t, poses = rolling(20, 2)
+    table = np.column_stack([t, poses.transpose(0, 2, 1).reshape(20, -1)])
+    rows = [";".join(f"{value:.6f}".replace(".", ",") for value in row) for row in table]
+    header = "t;x1;y1;theta1;x2;y2;theta2"
+    for name, lines in (("named", [header, *rows]), ("bare", rows)):
+        path = write(tmp_path / f"{name}.csv", "\n".join(lines))
+        again = read(path, ReadOptions(columns=None if name == "named" else "robot"))
+        np.testing.assert_allclose(again.poses, poses, rtol=0, atol=1e-6)
+        np.testing.assert_allclose(again.t, t, rtol=0, atol=1e-6)
+        assert any("decimal" in note for note in again.notes)
+
+
+@pytest.mark.parametrize("name", ["time_ms", "t [ms]", "Time (ms)", "timestamp_ms"])
+def test_milliseconds_are_told_by_the_columns_name(tmp_path, name):
+    rows = "\n".join(f"{33 * k},{0.003 * k},0,0" for k in range(20))
+    recording = read(write(tmp_path / "ms.csv", f"{name},x,y,theta\n{rows}"))
+    np.testing.assert_allclose(recording.t, 0.033 * np.arange(20))
+    assert any("milliseconds" in note for note in recording.notes)
+
+
+def test_times_that_must_be_milliseconds_are_asked_about(tmp_path):
+    rows = "\n".join(f"{33 * k},{0.003 * k},0,0" for k in range(20))
+    with pytest.raises(LayoutError, match=r"33 s from one pose to the next.*milliseconds"):
+        read(write(tmp_path / "ms.csv", f"t,x,y,theta\n{rows}"))

@@ -44,7 +44,14 @@ Radius = Annotated[
 ]
 Window = Annotated[float, typer.Option(help="Seconds of the Savitzky-Golay window.")]
 Slowest = Annotated[float, typer.Option(help="m/s up to which a robot has no direction.")]
-Settle = Annotated[float, typer.Option(help="Seconds at the start that settled means leave out.")]
+Settle = Annotated[
+    float | None,
+    typer.Option(
+        help="Seconds at the start that settled means leave out; 20 by default, none of a shorter "
+        "run.",
+        show_default=False,
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print the summary as JSON, nothing else.")]
 
 
@@ -60,7 +67,7 @@ def report(
     radius: Radius = None,
     window: Window = 0.36,
     slowest: Slowest = 0.01,
-    settle: Settle = 20.0,
+    settle: Settle = None,
     latex: Annotated[bool, typer.Option("--latex", help="Also write table.tex.")] = False,
     figures: Annotated[bool, typer.Option(help="Draw figures/*.pdf and *.png.")] = True,
     json: Json = False,
@@ -151,10 +158,11 @@ def compare(
     columns: Columns = None,
     dt: Step = None,
     array: Array = None,
+    drop_damaged: DropDamaged = False,
     radius: Radius = None,
     window: Window = 0.36,
     slowest: Slowest = 0.01,
-    settle: Settle = 20.0,
+    settle: Settle = None,
     json: Json = False,
 ) -> None:
     """Put runs side by side: every number, mean and 95 % interval, differences.
@@ -172,7 +180,7 @@ def compare(
     from posflock_robotarium.report.comparison import compare as compare_runs
 
     with _resimulated(runs, resimulate) as logs:
-        reading = _options(layout, columns, dt, array, False)
+        reading = _options(layout, columns, dt, array, drop_damaged)
         analyses = _analyse(logs, reading, radius, window, slowest, settle, False)
     comparison = compare_runs(analyses, labels.split(",") if labels else None)
     if json:
@@ -205,6 +213,7 @@ def replay(
     columns: Columns = None,
     dt: Step = None,
     array: Array = None,
+    drop_damaged: DropDamaged = False,
 ) -> None:
     """Film a run from above.
 
@@ -221,7 +230,7 @@ def replay(
     from posflock_robotarium.report.analysis import robot_of
     from posflock_robotarium.report.video import write_video
 
-    recording = read(log, _options(layout, columns, dt, array, False))
+    recording = read(log, _options(layout, columns, dt, array, drop_damaged))
     with progress("filming") as told:
         write_video(
             recording, video, fps=fps, speed=speed, robot=robot_of(recording)[0], progress=told
@@ -244,6 +253,7 @@ def convert(
     columns: Columns = None,
     dt: Step = None,
     array: Array = None,
+    drop_damaged: DropDamaged = False,
 ) -> None:
     """Write a log in another tool's format.
 
@@ -265,7 +275,9 @@ def convert(
         raise ParameterError(f"--out {target} does not end in .{to}")
     if target.exists() and target.resolve() == log.resolve():
         raise ParameterError(f"{target} is the log itself; name another file with --out")
-    typer.echo(f"wrote {write(read(log, _options(layout, columns, dt, array, False)), target)}")
+    typer.echo(
+        f"wrote {write(read(log, _options(layout, columns, dt, array, drop_damaged)), target)}"
+    )
 
 
 def _options(
@@ -286,7 +298,7 @@ def _analyse(
     radius: float | None,
     window: float,
     slowest: float,
-    settle: float,
+    settle: float | None,
     join: bool,
 ) -> list["Analysis"]:
     from posflock_robotarium.commands.terminal import progress

@@ -90,5 +90,5 @@ def drive(
         log,
         summarise(log, radius),
         metrics.alignment(metrics.heading_vectors(log.poses), positions, radius).gamma,
-        metrics.alignment(moving, positions, radius).gamma,
+        metrics.alignment(moving, positions, radius, slowest=metrics.SLOWEST).gamma,
     )

@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 
 from posflock_robotarium.errors import LogError, OutputError, ParameterError
 from posflock_robotarium.flock import WALLS
+from posflock_robotarium.metrics import SLOWEST
 from posflock_robotarium.report.curves import Curves, compute
 from posflock_robotarium.report.estimators import ESTIMATORS, WINDOW, estimate
 from posflock_robotarium.report.numbers import Number, Situation, numbers_of
@@ -41,6 +42,9 @@ Floats = NDArray[np.float64]
 
 FORMAT = "posflock analysis 1"
 
+SETTLE = 20.0
+"""Seconds after which a flock should have aligned, unless it is told otherwise."""
+
 
 @dataclass(frozen=True)
 class AnalysisOptions:
@@ -53,12 +57,12 @@ class AnalysisOptions:
     window : float
         Seconds of the Savitzky-Golay window.
     slowest : float
-        Speed in m/s up to which a robot has no direction of motion. The default is seven times
-        the speed that 0.5 mm of tracking noise pretends within the default window.
+        Speed in m/s up to which a robot has no direction of motion. See `metrics.SLOWEST`.
     threshold : float
         γ from which the flock counts as aligned.
-    settle : float
-        Seconds at the start that summaries named "settled" leave out (whole run if it is shorter).
+    settle : float, optional
+        Seconds at the start that summaries named "settled" leave out; by default `SETTLE`, and
+        nothing of a run that is shorter.
 
     Raises
     ------
@@ -68,13 +72,15 @@ class AnalysisOptions:
 
     radius: float | tuple[float, ...] | None = None
     window: float = WINDOW
-    slowest: float = 0.01
+    slowest: float = SLOWEST
     threshold: float = 0.9
-    settle: float = 20.0
+    settle: float | None = None
 
     def __post_init__(self) -> None:
         for name, low in (("window", 0.0), ("slowest", 0.0), ("settle", 0.0)):
             value = getattr(self, name)
+            if value is None and name == "settle":
+                continue
             if not (math.isfinite(value) and value >= low) or (name == "window" and value <= 0):
                 raise ParameterError(f"{name} is {value}; expected a finite number above {low:g}")
         if not -1.0 <= self.threshold <= 1.0:
@@ -201,9 +207,10 @@ class Analysis:
         return target
 
 
-def settled_samples(t: Floats, settle: float) -> NDArray[np.bool_]:
+def settled_samples(t: Floats, settle: float | None) -> NDArray[np.bool_]:
     """Return which samples come later than `settle` seconds; all of them in a shorter run."""
     elapsed = t - t[0]
+    settle = SETTLE if settle is None else settle
     return elapsed > settle if elapsed[-1] > settle else np.ones(len(t), dtype=bool)
 
 
@@ -236,12 +243,20 @@ def analyse(
     ------
     LogError
         When the log cannot be read, or its neighbour radius is known from nowhere.
+    ParameterError
+        When the run ends before the time that it was given to settle.
     """
     options = options or AnalysisOptions()
     if radius is not None:
         options = dataclasses.replace(options, radius=radius)
     recording = log if isinstance(log, Recording) else read(log, read_options)
     options = dataclasses.replace(options, radius=_radius(recording, options))
+    if options.settle is not None and options.settle >= recording.t[-1] - recording.t[0]:
+        raise ParameterError(
+            f"{recording.name}: --settle is {options.settle:g} s, but the run ends after "
+            f"{recording.t[-1] - recording.t[0]:.2f} s: nothing is left to take means over; "
+            "give less, or leave it out"
+        )
     robot, generation = robot_of(recording)
     motions = {name: estimate(recording, name, options.window) for name in ESTIMATORS}
     reach = np.asarray(options.radius, dtype=float)

@@ -1,8 +1,9 @@
 """A log in other tools' formats: MATLAB, CSV, NumPy, and MCAP for Foxglove.
 
 What is written as ``.mat``, ``.csv`` or ``.npz`` is read back by `readers.read` as the same
-recording, to the last bit. MCAP carries JSON messages in Foxglove's own well-known schemas, so the
-3D panel shows the robots without any extension.
+recording, to the last bit, with its parameters; a CSV holds poses and parameters alone. MCAP
+carries JSON messages in Foxglove's own well-known schemas, so the 3D panel shows the robots
+without any extension.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 
 from posflock_robotarium.errors import OutputError, ParameterError
 from posflock_robotarium.figures import ROBOT_LENGTH, ROBOT_WIDTH
-from posflock_robotarium.report.readers import Recording
+from posflock_robotarium.report.readers import Recording, named_arrays, parameters
 
 Floats = NDArray[np.float64]
 
@@ -65,32 +66,51 @@ def _write_mat(recording: Recording, path: Path) -> None:
     variables: dict[str, Any] = {
         "t": recording.t[:, np.newaxis],
         "poses": recording.poses.transpose(1, 2, 0),
-        "parameters": json.dumps(dict(recording.parameters), default=str),
+        **_description(recording),
     }
+    for name in ("moved", "smallest_h"):
+        if name in variables:
+            variables[name] = variables[name][:, np.newaxis]
+    if "status" in variables:  # char(status) in MATLAB; the reader takes numbers alone
+        variables["status"] = named_arrays.codes_of(variables["status"])
     if recording.command is not None:
         variables["command"] = recording.command.transpose(1, 2, 0)
     savemat(path, variables, do_compression=True)
 
 
 def _write_csv(recording: Recording, path: Path) -> None:
-    """Write one row a sample: t, x1, y1, theta1, x2 and so on."""
+    """Write the parameters as a comment, then one row a sample: t, x1, y1, theta1, x2 and so on."""
     names = [
         f"{state}{robot + 1}" for robot in range(recording.robots) for state in ("x", "y", "theta")
     ]
     flat = recording.poses.transpose(0, 2, 1).reshape(len(recording.t), -1)
     with path.open("w", newline="", encoding="utf-8") as file:
+        if recording.parameters:
+            file.write(f"# {parameters.NAME}: {parameters.to_json(recording.parameters)}\n")
         table = csv.writer(file, lineterminator="\n")
         table.writerow(["t", *names])
         table.writerows(map(repr, row) for row in np.column_stack([recording.t, flat]).tolist())
 
 
 def _write_npz(recording: Recording, path: Path) -> None:
-    """Write t (T,), poses (T, 3, N) and, if known, command (T, 2, N)."""
-    arrays: dict[str, NDArray[Any]] = {"t": recording.t, "poses": recording.poses}
+    """Write t (T,), poses (T, 3, N) and whatever else is known, command (T, 2, N) first."""
+    arrays: dict[str, NDArray[Any]] = {
+        "t": recording.t,
+        "poses": recording.poses,
+        **_description(recording),
+    }
     if recording.command is not None:
         arrays["command"] = recording.command
     with path.open("wb") as file:
         np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
+
+
+def _description(recording: Recording) -> dict[str, NDArray[Any]]:
+    """Return the parameters, and what the certificate did at each step, where they are known."""
+    known = {name: getattr(recording, name) for name in ("moved", "smallest_h", "status")}
+    if recording.parameters:
+        known[parameters.NAME] = parameters.to_bytes(recording.parameters)
+    return {name: values for name, values in known.items() if values is not None}
 
 
 def _write_mcap(recording: Recording, path: Path) -> None:

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+from posflock_robotarium.metrics import SMOOTHING_POINTS
 from posflock_robotarium.report.numbers import Number
 from posflock_robotarium.report.readers import Recording
 
@@ -18,6 +19,9 @@ Mark = Literal["good", "caution", "bad", "unknown"]
 
 MOSTLY = 0.5
 """A flock of which more than this share stands, stands."""
+
+FEWEST_SAMPLES = SMOOTHING_POINTS
+"""Poses over time without which a direction of motion is mostly noise."""
 
 SOME = 0.1
 """A share too large to pass over in silence."""
@@ -93,6 +97,9 @@ def _aligned(v: Mapping[str, float], threshold: float, slowest: float) -> Verdic
     if v["left_out_headings"] >= 1.0:
         because = "γ is undefined without neighbours."
         return Verdict(question, "unknown", "No robot had a neighbour.", because, "no neighbours")
+    if v["samples"] < FEWEST_SAMPLES:
+        because = f"{int(v['samples'])} poses over time do not tell motion from tracking noise."
+        return Verdict(question, "unknown", "Too short to tell.", because, "too short")
     if v["standing"] > MOSTLY or v["standing_end"] > MOSTLY:
         return _parked(v, threshold, slowest)
     because = f"{_both(motion, headings)}. {_when(v, threshold)}"

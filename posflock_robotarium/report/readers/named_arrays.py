@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.errors import LogError, ParameterError
+from posflock_robotarium.report.readers import parameters
 from posflock_robotarium.report.readers.layouts import COLUMN_ORDERS, increases, to_poses
 from posflock_robotarium.report.readers.recording import LayoutError
 from posflock_robotarium.report.readers.text import STATE_NAMES, TIME_NAMES
@@ -64,6 +65,9 @@ class Found:
     notes: tuple[str, ...]
     command: Floats | None = None
     dt: float | None = None
+    steps: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+    """What the certificate did at each step: ``moved``, ``smallest_h``, ``status`` (T,)."""
+    parameters: Mapping[str, Any] = field(default_factory=dict)
 
 
 def poses_of_array(array: Floats, where: str, options: ReadOptions) -> Found:
@@ -87,7 +91,9 @@ def poses_of_array(array: Floats, where: str, options: ReadOptions) -> Found:
 def poses_among(
     arrays: Mapping[str, NDArray[Any]], where: str, options: ReadOptions, kind: str = "arrays"
 ) -> Found:
-    """Find time, poses and commands among named arrays."""
+    """Find time, poses, commands and what the run says about itself among named arrays."""
+    described = arrays.get(parameters.NAME)
+    arrays = {name: array for name, array in arrays.items() if name != parameters.NAME}
     names = {name.lower(): name for name in arrays}
     notes = [f"{kind} with {', '.join(arrays)}"]
     t = next((_line(arrays[names[n]], where) for n in TIME_NAMES if n in names), None)
@@ -114,7 +120,37 @@ def poses_among(
     found = _command(command, poses.shape) if command is not None else None
     if found is not None:
         notes.append("commands were recorded too")
-    return Found(t, poses, tuple(notes), found, dt)
+    said: dict[str, Any] = {}
+    if described is not None:
+        said = parameters.from_array(described, f"{where}: {parameters.NAME}")
+        notes.append("parameters of the run came with the file")
+    steps: dict[str, NDArray[Any]] = {
+        name: values
+        for name in ("moved", "smallest_h", "status")
+        if name in arrays and (values := _each_step(name, arrays[name], len(poses))) is not None
+    }
+    return Found(t, poses, tuple(notes), found, dt, steps, said)
+
+
+def codes_of(words: NDArray[np.str_]) -> NDArray[np.uint32]:
+    """Return words as rows of code points (T, letters), for files that hold numbers alone."""
+    letters = np.ascontiguousarray(words)
+    return letters.view(np.uint32).reshape(len(letters), -1)
+
+
+def _each_step(name: str, array: NDArray[Any], samples: int) -> NDArray[Any] | None:
+    """Return an array of the certificate as (T,), or None where it is something else."""
+    if name != "status":
+        fits = array.dtype.kind in "fiu" and array.size == max(array.shape, default=0) == samples
+        return floats(array, name).reshape(-1) if fits else None
+    if array.dtype.kind == "U" and array.shape == (samples,):
+        return array
+    if array.dtype.kind not in "fiu" or array.ndim != 2 or len(array) != samples:
+        return None
+    if not (array.size and ((array >= 0) & (array < 128)).all()):
+        return None
+    codes = np.ascontiguousarray(array.astype(np.uint32))
+    return codes.view(f"U{codes.shape[1]}").reshape(-1)
 
 
 def _pose_array(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -12,10 +11,10 @@ from numpy.typing import NDArray
 from posflock_robotarium.errors import LogError
 from posflock_robotarium.poselog import log_paths, row_type
 from posflock_robotarium.report.readers.named_arrays import floats
+from posflock_robotarium.report.readers.parameters import LARGEST, from_json
 from posflock_robotarium.report.readers.recording import Recording
 
 FIELDS = row_type(1).names
-LARGEST_SIDECAR = 16 << 20
 
 
 def read_pose_log(file: Path, rows: NDArray[Any]) -> Recording:
@@ -70,13 +69,11 @@ def _words(status: NDArray[Any]) -> NDArray[np.str_] | None:
 
 def _sidecar(path: Path) -> dict[str, Any]:
     try:
-        if path.stat().st_size > LARGEST_SIDECAR:
+        if path.stat().st_size > LARGEST:
             raise LogError(f"{path}: {path.stat().st_size} bytes, too large for a description")
-        parameters = json.loads(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
         return {}
-    except (OSError, ValueError, RecursionError) as error:
+    except (OSError, ValueError) as error:
         raise LogError(f"{path}: not readable as JSON ({error})") from error
-    if not isinstance(parameters, dict):
-        raise LogError(f"{path}: expected an object of parameters, got {type(parameters).__name__}")
-    return parameters
+    return from_json(text, str(path))

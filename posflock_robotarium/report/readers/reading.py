@@ -31,6 +31,9 @@ from posflock_robotarium.report.readers.text import STATE_NAMES, TIME_NAMES, rea
 
 Floats = NDArray[np.float64]
 
+LONGEST_STEP = 5.0
+"""Seconds between poses beyond which nothing is told of motion, and times have another unit."""
+
 
 def read(path: str | os.PathLike[str], options: ReadOptions | None = None) -> Recording:
     """Read one run from one file of any known kind.
@@ -129,8 +132,8 @@ def _kind(file: Path) -> str:
 def _find(file: Path, kind: str, options: ReadOptions) -> Found:
     where = str(file)
     if kind == "text":
-        t, poses, notes = read_text(file, options.layout, options.columns)
-        return Found(t, poses, tuple(notes))
+        t, poses, notes, said = read_text(file, options.layout, options.columns)
+        return Found(t, poses, tuple(notes), parameters=said)
     if kind == "npz":
         return poses_among(read_npz(file), where, options, "NumPy archive")
     if kind == "mat":
@@ -146,7 +149,10 @@ def _recording(
     found: Found, name: str, sources: tuple[str, ...], options: ReadOptions
 ) -> Recording:
     where = sources[0]
-    poses, command = found.poses, found.command
+    poses = found.poses
+    steps = dict(found.steps)
+    if found.command is not None:
+        steps["command"] = found.command
     notes = list(found.notes)
     if found.t is not None:
         t = found.t
@@ -163,17 +169,22 @@ def _recording(
         notes.append(f"no time in the file: samples {dt:g} s apart")
     if len(t) != len(poses):
         raise LogError(f"{where}: {len(t)} times for {len(poses)} poses")
+    if len(t) > 1 and (step := float(np.median(np.diff(t)))) > LONGEST_STEP:
+        raise LayoutError(
+            f"{where}: {step:g} s from one pose to the next, expected at most {LONGEST_STEP:g} s: "
+            "are the times in milliseconds? Write them in seconds, or name the column time_ms"
+        )
     reached = _reached(poses)
     if reached < len(poses):
         notes.append(f"cut at row {reached} of {len(poses)}: the rest was never filled in")
         poses, t = poses[:reached], t[:reached]
-        command = command[:reached] if command is not None else None
+        steps = {name: values[:reached] for name, values in steps.items()}
     if options.drop_damaged and len(poses):
         sound = np.isfinite(poses).all(axis=(1, 2)) & np.isfinite(t)
         if not sound.all():
             notes.append(f"{int((~sound).sum())} damaged row(s) left out, as asked")
             poses, t = poses[sound], t[sound]
-            command = command[sound] if command is not None else None
+            steps = {name: values[sound] for name, values in steps.items()}
     if len(t) and np.isfinite(t[0]) and abs(t[0]) > 1e5:
         notes.append(f"time counted from the first pose, recorded as {t[0]:.3f} s")
         t = t - t[0]
@@ -181,7 +192,11 @@ def _recording(
         name=name,
         t=np.ascontiguousarray(t),
         poses=np.ascontiguousarray(poses),
-        command=command,
+        command=steps.get("command"),
+        moved=steps.get("moved"),
+        smallest_h=steps.get("smallest_h"),
+        status=steps.get("status"),
+        parameters=found.parameters,
         notes=tuple(notes),
         sources=sources,
     )

@@ -12,13 +12,16 @@ from __future__ import annotations
 import csv
 import io
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.errors import LogError
+from posflock_robotarium.report.readers import parameters
 from posflock_robotarium.report.readers.layouts import COLUMN_ORDERS, increases, to_poses
 from posflock_robotarium.report.readers.recording import LayoutError
 
@@ -38,6 +41,9 @@ _STATE_OF = {name: state for state, names in STATE_NAMES.items() for name in nam
 _STATE_FIRST = re.compile(
     r"(?P<state>[a-zθ]+(?:_(?:m|rad))?)[\s_.\-]*[\[({]?(?P<robot>\d+)[\])}]?(?:_(?:m|rad))?"
 )
+_MILLISECONDS = re.compile(
+    rf"(?P<name>{'|'.join(TIME_NAMES)})[\s_]*[\[(]?(?:ms|msec|milliseconds)[\])]?"
+)
 _ROBOT_FIRST = re.compile(
     r"(?:robot|agent|r)?[\s_.\-]*(?P<robot>\d+)[\s_.\-:/]*(?P<state>[a-zθ_]+)"
 )
@@ -51,6 +57,8 @@ class Table:
     names: tuple[str, ...]
     delimiter: str
     first_line: int
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    decimal_comma: bool = False
 
 
 def read_table(path: Path) -> Table:
@@ -87,6 +95,15 @@ def read_table(path: Path) -> Table:
     if start is None:
         raise LogError(f"{path}: empty, no row of numbers in it")
     delimiter = _delimiter(_content(lines[start]))
+    # Between semicolons, and with no point in any row, a comma is a decimal one (Excel in Europe).
+    rows = lines[start + 1 :] or lines[start:]
+    decimal_comma = (
+        delimiter == ";"
+        and any("," in _content(line) for line in rows)
+        and not any("." in _content(line) for line in rows)
+    )
+    if decimal_comma:
+        lines = lines[:start] + [line.replace(",", ".") for line in lines[start:]]
     names: tuple[str, ...] = ()
     cells = _split(_content(lines[start]), delimiter)
     if not any(_is_number(cell) for cell in cells):
@@ -99,12 +116,14 @@ def read_table(path: Path) -> Table:
         raise LogError(
             f"{path}: the header names {len(names)} columns, the rows have {values.shape[1]}"
         )
-    return Table(values, names, delimiter, start + 1)
+    return Table(
+        values, names, delimiter, start + 1, _parameters(path, lines[:start]), decimal_comma
+    )
 
 
 def read_text(
     path: Path, layout: str | None = None, columns: str | None = None
-) -> tuple[Floats | None, Floats, list[str]]:
+) -> tuple[Floats | None, Floats, list[str], Mapping[str, Any]]:
     """Read poses (and times, if there are any) from a text file.
 
     Parameters
@@ -125,6 +144,8 @@ def read_text(
         Metres and radians.
     notes : list of str
         How it was read.
+    parameters : mapping
+        What a comment in front of the table says about the run, if one does.
 
     Raises
     ------
@@ -134,6 +155,8 @@ def read_text(
     table = read_table(path)
     separator = {",": "comma", ";": "semicolon", "\t": "tab", " ": "blank"}[table.delimiter]
     notes = [f"text, {separator} separated, {table.values.shape[0]} rows"]
+    if table.decimal_comma:
+        notes.append("commas between digits are decimal points")
     names = table.names
     order = columns if columns is None or columns in COLUMN_ORDERS else None
     if columns is not None and order is None:
@@ -147,8 +170,12 @@ def read_text(
     elif names and layout is None and order is None:
         notes.append("columns found by their names in the header")
     if names and layout is None and order is None:
-        return *_by_name(path, table, names, notes), notes
-    return *_without_names(path, table.values, layout, order, notes), notes
+        t, poses = _by_name(path, table, names, notes)
+    else:
+        t, poses = _without_names(path, table.values, layout, order, notes)
+    if table.parameters:
+        notes.append("parameters of the run came with the file")
+    return t, poses, notes, table.parameters
 
 
 def _without_names(
@@ -178,8 +205,13 @@ def _by_name(
     plain: dict[str, int] = {}
     numbered: dict[tuple[str, str], int] = {}
     unused: list[str] = []
+    unit = 1.0
     for index, name in enumerate(names):
         word = name.lower().strip()
+        if (milli := _MILLISECONDS.fullmatch(word)) is not None and time_column is None:
+            time_column, unit = index, 1e-3
+            notes.append(f"{name}: milliseconds, by its name; {milli['name']} taken in seconds")
+            continue
         bare = re.sub(r"\s*[\[(].*?(?:m|s|rad|sec)[\])]$", "", word)
         if bare in TIME_NAMES and time_column is None:
             time_column = index
@@ -209,7 +241,8 @@ def _by_name(
     elif len(plain) == 3:
         chosen = np.array([[plain[state]] for state in STATE_NAMES])
         if robot_column is not None:
-            return _long(path, table, time_column, robot_column, chosen[:, 0], notes)
+            times, poses = _long(path, table, time_column, robot_column, chosen[:, 0], notes)
+            return times * unit, poses
         poses = values[:, chosen]
     else:
         raise LayoutError(
@@ -217,7 +250,7 @@ def _by_name(
             "name them all with --columns t,x1,y1,theta1,… (- for one to leave out), "
             "or give their order with --columns state or robot"
         )
-    t = values[:, time_column] if time_column is not None else None
+    t = values[:, time_column] * unit if time_column is not None else None
     notes.append(f"{poses.shape[2]} robot(s) found by column name")
     return t, poses
 
@@ -266,6 +299,15 @@ def _content(line: str) -> str:
     return line.strip()
 
 
+def _parameters(path: Path, above: list[str]) -> dict[str, Any]:
+    """Read the comment in which a converted log carries its parameters."""
+    mark = f"# {parameters.NAME}: "
+    for number, line in enumerate(above, start=1):
+        if line.startswith(mark):
+            return parameters.from_json(line[len(mark) :], f"{path}: line {number}")
+    return {}
+
+
 def _commented_header(lines: list[str], start: int, delimiter: str) -> tuple[str, ...] | None:
     """``numpy.savetxt(header=…)`` writes the header as a comment: use it if it names columns."""
     for line in reversed(lines[:start]):
@@ -283,7 +325,7 @@ def _commented_header(lines: list[str], start: int, delimiter: str) -> tuple[str
 
 
 def _delimiter(line: str) -> str:
-    return next((mark for mark in (",", ";", "\t") if mark in line), " ")
+    return next((mark for mark in (";", ",", "\t") if mark in line), " ")
 
 
 def _split(line: str, delimiter: str) -> list[str]:
