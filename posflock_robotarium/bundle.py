@@ -26,9 +26,10 @@ from pathlib import Path
 
 from posflock_robotarium import import_graph, testbed
 from posflock_robotarium.errors import OutputError, PosflockError
+from posflock_robotarium.verify.files import files_read
 from posflock_robotarium.verify.findings import count
 from posflock_robotarium.verify.generations import wrong_names
-from posflock_robotarium.verify.static import Source, files_read
+from posflock_robotarium.verify.source import Source
 
 MANIFEST, INSTRUCTIONS = "MANIFEST", "SUBMIT.md"
 

@@ -2,14 +2,8 @@
 
 The process was forked for this trial and ends with it.  The script sees the testbed's world: it
 is ``__main__``, has no arguments, finds its files flat in the working folder, and ``rps`` is the
-simulator under the trial's imperfections.  Two things are not as on the testbed, so that a trial
-takes seconds: nothing is drawn, and nobody waits.  :class:`Clock` stands in for the time of day
-and advances as the testbed's would, by the longer of 33 ms and what the script computed (CPU time
-of this machine) or slept.
-
-What a script must not do is stopped where it happens, by an audit hook, and reported with the
-line: writing outside the scratch folder, starting processes, using the network.  That is a net
-for mistakes, not a sandbox: native code passes it.
+simulator under the trial's imperfections.  Its time is that of :mod:`~.clock`, and
+:mod:`~.guard` stops what it must not do.
 """
 
 from __future__ import annotations
@@ -24,52 +18,19 @@ import runpy
 import signal
 import struct
 import sys
-import time
 import traceback
-from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from types import FrameType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium import testbed
+from posflock_robotarium.verify.clock import Clock, cpu_seconds, wall_time
+from posflock_robotarium.verify.guard import Guard
 
-#: Real functions, before a clock replaces them.
-_cpu, _wall = time.process_time, time.time
 _PULSE = struct.Struct("qddd")
-_WRITE_FLAGS = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_TRUNC
-_PATH_EVENTS = frozenset(
-    [
-        "os.remove",
-        "os.rename",
-        "os.mkdir",
-        "os.rmdir",
-        "os.link",
-        "os.symlink",
-        "os.chmod",
-        "os.truncate",
-        "os.chown",
-        "shutil.rmtree",
-    ]
-)
-_PROCESS_EVENTS = frozenset(
-    [
-        "subprocess.Popen",
-        "os.system",
-        "os.fork",
-        "os.forkpty",
-        "os.posix_spawn",
-        "os.exec",
-        "os.spawn",
-        "pty.spawn",
-    ]
-)
-_NETWORK_EVENTS = frozenset(
-    ["socket.connect", "socket.getaddrinfo", "socket.sendto", "socket.bind"]
-)
 
 
 @dataclass(frozen=True)
@@ -170,63 +131,8 @@ class Outcome:
     profile: str = ""
 
 
-class ForbiddenError(PermissionError):
-    """The script tried what it must not do; the deed is on record."""
-
-
 class Enough(BaseException):
     """The trial has seen what it was for."""
-
-
-class Clock:
-    """The testbed's time of day for a script that does not wait.
-
-    Between two steps pass the longer of 33 ms and what the script spent.
-    """
-
-    def __init__(self) -> None:
-        self.start = _wall()
-        self.now = 0.0
-        self._slept = 0.0
-        self._cpu = _cpu()
-
-    def spent(self) -> float:
-        """Seconds that the script computed and slept since the last step."""
-        return _cpu() - self._cpu + self._slept
-
-    def read(self) -> float:
-        """Seconds since the start."""
-        return self.now + self.spent()
-
-    def sleep(self, seconds: float) -> None:
-        """Let time pass, without waiting."""
-        if seconds < 0:
-            raise ValueError("sleep length must be non-negative")
-        self._slept += seconds
-
-    def step(self, time_step: float) -> None:
-        """End a time step."""
-        self.now += max(time_step, self.spent())
-        self.resume()
-
-    def resume(self) -> None:
-        """Start counting the script's own time again."""
-        self._cpu, self._slept = _cpu(), 0.0
-
-    @contextlib.contextmanager
-    def installed(self) -> Iterator[None]:
-        """Let the module `time` tell this clock's time."""
-        before = {name: getattr(time, name) for name in ("time", "monotonic", "perf_counter")}
-        sleep = time.sleep
-        time.time = lambda: self.start + self.read()
-        time.monotonic = time.perf_counter = self.read
-        time.sleep = self.sleep  # type: ignore[assignment]
-        try:
-            yield
-        finally:
-            for name, function in before.items():
-                setattr(time, name, function)
-            time.sleep = sleep
 
 
 class Watch:
@@ -268,7 +174,7 @@ class Watch:
         self._measure(t, arena)
         self._hear(t, arena)
         self._steps += 1
-        self._pulse[: _PULSE.size] = _PULSE.pack(self._steps, t, _wall(), _cpu())
+        self._pulse[: _PULSE.size] = _PULSE.pack(self._steps, t, wall_time(), cpu_seconds())
         if plan.kill_at is not None and t >= plan.kill_at:
             os.kill(os.getpid(), signal.SIGKILL)
         if plan.interrupt_at is not None and t >= plan.interrupt_at and not self._interrupted:
@@ -326,7 +232,7 @@ def run_trial(plan: TrialPlan) -> None:
         sys.stdout.flush()
         sys.stderr.flush()
         text = json.dumps(asdict(outcome))
-        _Guard.active = None
+        Guard.active = None
         (results / "outcome.part").write_text(text)
         os.replace(results / "outcome.part", results / "outcome.json")
         os._exit(0)
@@ -373,7 +279,7 @@ def _run(plan: TrialPlan, outcome: Outcome, pulse: mmap.mmap, deeds: int) -> Non
     np.random.seed(plan.seed % 2**32)  # noqa: NPY002 - the script's stream, not ours
     rps_compat.install(api=plan.generation)
     _limit(plan.memory)
-    guard = _Guard(scratch, deeds, watch)
+    guard = Guard(scratch, deeds, lambda: watch._steps)
     guard.install()
     builtins.input = guard.answer
     _listen(watch, plan.generation)
@@ -460,101 +366,6 @@ def _limit(memory: int) -> None:
         with contextlib.suppress(ValueError, OSError):
             resource.setrlimit(kind, (amount, resource.getrlimit(kind)[1]))
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-
-
-class _Guard:
-    """The audit hook; hooks cannot be removed, so it asks whether it is still on duty."""
-
-    active: _Guard | None = None
-
-    def __init__(self, scratch: str, deeds: int, watch: Watch) -> None:
-        self.scratch = scratch
-        self.deeds = deeds
-        self.watch = watch
-
-    def install(self) -> None:
-        _Guard.active = self
-        sys.addaudithook(_audit)
-
-    def allows(self, path: Any) -> bool:
-        if isinstance(path, int) or path is None:
-            return True
-        where = os.path.realpath(os.fsdecode(path))
-        return where == self.scratch or where.startswith(
-            (self.scratch + os.sep, "/dev/", "/proc/self/")
-        )
-
-    def record(self, kind: str, what: str) -> None:
-        line, file = self.blame()
-        steps = self.watch._steps
-        deed = {"kind": kind, "what": what, "line": line, "file": file, "step": steps}
-        os.write(self.deeds, (json.dumps(deed) + "\n").encode())
-
-    def answer(self, prompt: object = "") -> str:
-        """Stand in for ``input()``: nobody is there, which goes on record."""
-        self.record("blocking-call", "input()")
-        return ""
-
-    def blame(self) -> tuple[int | None, str]:
-        """Return the innermost line of the script's own files that is being run."""
-        frame: FrameType | None = sys._getframe(2)
-        while frame is not None:
-            name = frame.f_code.co_filename
-            if name.startswith(self.scratch):
-                return frame.f_lineno, os.path.basename(name)
-            frame = frame.f_back
-        return None, ""
-
-    def is_the_scripts(self) -> bool:
-        """Whether the script asks, not a library that has its own reasons."""
-        frame: FrameType | None = sys._getframe(2)
-        while frame is not None:
-            name = frame.f_code.co_filename
-            if name.startswith(self.scratch):
-                return True
-            if "site-packages" in name or "dist-packages" in name:
-                return False
-            frame = frame.f_back
-        return False
-
-
-def _audit(event: str, arguments: tuple[Any, ...]) -> None:
-    guard = _Guard.active
-    if guard is None:
-        return
-    if event == "open":
-        path, mode, flags = arguments[0], arguments[1], arguments[2]
-        if isinstance(mode, str):
-            writes = any(letter in mode for letter in "wax+")
-        else:
-            writes = isinstance(flags, int) and bool(flags & _WRITE_FLAGS)
-        if writes and not guard.allows(path):
-            _refuse(guard, "outside-write", os.fsdecode(path))
-    elif event in _PATH_EVENTS:
-        for path in arguments[:2]:
-            if isinstance(path, (str, bytes, os.PathLike)) and not guard.allows(path):
-                _refuse(guard, "outside-write", os.fsdecode(path))
-    elif event in _PROCESS_EVENTS and guard.is_the_scripts():
-        _refuse(guard, "fork", " ".join(str(a) for a in arguments[:2]) or event)
-    elif event in _NETWORK_EVENTS and guard.is_the_scripts():
-        _refuse(guard, "network", _address(event, arguments))
-    elif event == "os.kill" and arguments[0] != os.getpid():
-        _refuse(guard, "fork", f"kill {arguments[0]}")
-
-
-def _address(event: str, arguments: tuple[Any, ...]) -> str:
-    """Return whom a network event is about; sockets come first where there are any."""
-    about = arguments[:2] if event == "socket.getaddrinfo" else arguments[1:]
-    return " ".join(str(part) for part in about) or event
-
-
-def _refuse(guard: _Guard, kind: str, what: str) -> None:
-    _Guard.active = None  # recording opens nothing, but formatting might
-    try:
-        guard.record(kind, what)
-    finally:
-        _Guard.active = guard
-    raise ForbiddenError(f"{kind}: {what}")
 
 
 def _error(error: BaseException, scratch: str) -> dict[str, Any]:

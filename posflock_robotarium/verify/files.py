@@ -1,0 +1,189 @@
+"""Files that a script reads and writes, as far as its source tells."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import PurePath
+
+from posflock_robotarium import testbed
+from posflock_robotarium.verify.constants import SCRIPT, constant
+from posflock_robotarium.verify.findings import Finding, Verdict
+from posflock_robotarium.verify.source import Source
+
+#: Exceptions whose handler is prepared for a file that is not there.
+_NO_FILE = {"FileNotFoundError", "OSError", "IOError", "Exception", "BaseException"}
+#: Functions that read a file whose path is their first argument.
+_READERS = frozenset(
+    [
+        "numpy.load",
+        "numpy.loadtxt",
+        "numpy.genfromtxt",
+        "numpy.fromfile",
+        "numpy.memmap",
+        "scipy.io.loadmat",
+        "matplotlib.pyplot.imread",
+        "matplotlib.image.imread",
+        "PIL.Image.open",
+        "cv2.imread",
+        "torch.load",
+    ]
+)
+#: Functions that write a file.
+_WRITERS = frozenset(
+    [
+        "numpy.save",
+        "numpy.savez",
+        "numpy.savez_compressed",
+        "numpy.savetxt",
+        "scipy.io.savemat",
+        "pickle.dump",
+        "json.dump",
+        "torch.save",
+        "cv2.imwrite",
+        "yaml.dump",
+        "joblib.dump",
+        "matplotlib.pyplot.savefig",
+    ]
+)
+_WRITING_METHODS = frozenset(["tofile", "savefig", "write_text", "write_bytes", "to_csv"])
+
+
+def check_files(source: Source) -> Iterator[Finding]:
+    """Files it reads: there, flat, with an ending that may be uploaded."""
+    written = {path for call in source.calls if (path := _path_written(source, call)) is not None}
+    for call, path in files_read(source):
+        line = call.lineno
+        if path in written or (call.args and not path):
+            continue
+        pure = PurePath(path)
+        if pure.is_absolute() or len(pure.parts) > 1:
+            yield Finding(
+                "file-in-folder",
+                Verdict.FAIL,
+                f"reads {path}, but uploads are flat: there are no folders beside the script",
+                f"put {pure.name} beside the script and read {pure.name!r}",
+                line=line,
+            )
+        elif pure.suffix.lower() not in testbed.ENDINGS:
+            yield Finding(
+                "file-ending",
+                Verdict.FAIL,
+                f"reads {path}, but files that end in {pure.suffix or 'nothing'} cannot be"
+                " uploaded",
+                f"use one of {' '.join(testbed.ENDINGS)}; .npy holds any array",
+                line=line,
+            )
+        elif not (source.path.parent / path).is_file():
+            yield Finding(
+                "file-missing",
+                Verdict.FAIL,
+                f"reads {path}, which is not beside the script",
+                f"put {path} into {source.path.resolve().parent}",
+                line=line,
+            )
+
+
+def files_read(source: Source) -> Iterator[tuple[ast.Call, str]]:
+    """Yield the calls that read a file whose path is known, with the path.
+
+    A file that the script is prepared to miss counts only where it is there.
+    """
+    prepared = _prepared_for_absence(source.tree)
+    for call in source.calls:
+        name = source.called(call)
+        method = call.func.attr if isinstance(call.func, ast.Attribute) else ""
+        if name in _READERS or (name == "open" and _mode(source, call)[:1] == "r"):
+            named = [k.value for k in call.keywords if k.arg in ("file", "fname", "filename")]
+            path = constant((*call.args, *named)[0], source.names) if call.args or named else None
+        elif method in ("read_text", "read_bytes") or (
+            _opens_path(source, call) and _mode(source, call)[:1] == "r"
+        ):
+            path = constant(call.func.value, source.names)  # type: ignore[attr-defined]
+        else:
+            continue
+        if not isinstance(path, (str, PurePath)) or path == SCRIPT:
+            continue
+        if call not in prepared or (source.path.parent / path).is_file():
+            yield call, str(path)
+
+
+def writes(source: Source, call: ast.Call) -> bool:
+    """Whether a call writes a file."""
+    name = source.called(call)
+    opens = name == "open" or _opens_path(source, call)
+    if name in _WRITERS or (opens and _mode(source, call)[:1] in ("w", "a", "x")):
+        return True
+    method = call.func.attr if isinstance(call.func, ast.Attribute) else ""
+    return method in _WRITING_METHODS
+
+
+def _path_written(source: Source, call: ast.Call) -> str | None:
+    if not writes(source, call):
+        return None
+    of_path = _opens_path(source, call) or source.called(call) == ""
+    method = call.func.attr if isinstance(call.func, ast.Attribute) else ""
+    if isinstance(call.func, ast.Attribute) and (
+        of_path or method in ("write_text", "write_bytes")
+    ):
+        path = constant(call.func.value, source.names)
+    else:
+        path = constant(call.args[0], source.names) if call.args else None
+    if not isinstance(path, (str, PurePath)):
+        return None
+    ending = {"save": ".npy", "savez": ".npz", "savez_compressed": ".npz"}.get(method, "")
+    return str(path) if str(path).endswith(ending) else f"{path}{ending}"
+
+
+def _opens_path(source: Source, call: ast.Call) -> bool:
+    """``path.open()``, of a path that is known."""
+    return (
+        isinstance(call.func, ast.Attribute)
+        and call.func.attr == "open"
+        and isinstance(constant(call.func.value, source.names), PurePath)
+    )
+
+
+def _mode(source: Source, call: ast.Call) -> str:
+    first = 0 if _opens_path(source, call) else 1
+    given = [k.value for k in call.keywords if k.arg == "mode"] or call.args[first : first + 1]
+    mode = constant(given[0], source.names) if given else "r"
+    return mode.replace("b", "").replace("t", "") if isinstance(mode, str) else "?"
+
+
+def _prepared_for_absence(tree: ast.Module) -> set[ast.AST]:
+    """Everything that runs only if a file is there, or where a missing file is caught."""
+    found: set[ast.AST] = set()
+    for node in ast.walk(tree):
+        bodies: list[ast.AST] = []
+        if isinstance(node, ast.If) and _asks_for_a_file(node.test):
+            bodies = [*node.body, *node.orelse]
+        elif isinstance(node, ast.IfExp) and _asks_for_a_file(node.test):
+            bodies = [node.body, node.orelse]
+        elif (
+            isinstance(node, ast.Try)
+            and any(catches(handler, _NO_FILE) for handler in node.handlers)
+        ) or (
+            isinstance(node, ast.With)
+            and any("suppress(" in ast.unparse(item) for item in node.items)
+        ):
+            bodies = list(node.body)
+        for body in bodies:
+            found |= set(ast.walk(body))
+    return found
+
+
+def _asks_for_a_file(test: ast.expr) -> bool:
+    return any(
+        isinstance(node, ast.Call)
+        and getattr(node.func, "attr", getattr(node.func, "id", ""))
+        in ("exists", "is_file", "isfile")
+        for node in ast.walk(test)
+    )
+
+
+def catches(handler: ast.ExceptHandler, wanted: set[str]) -> bool:
+    """Whether a handler catches one of the exceptions of these names."""
+    kinds = handler.type.elts if isinstance(handler.type, ast.Tuple) else [handler.type]
+    names = {kind.id for kind in kinds if isinstance(kind, ast.Name)}
+    return handler.type is None or bool(names & wanted)

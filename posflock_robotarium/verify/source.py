@@ -1,0 +1,138 @@
+"""A script as the checks see it: its tree, its names, and the loops that drive the robots."""
+
+from __future__ import annotations
+
+import ast
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from posflock_robotarium import import_graph
+from posflock_robotarium.verify.constants import constants_of
+
+
+@dataclass
+class Source:
+    """A script that parses, with what every check needs of it.
+
+    Attributes
+    ----------
+    path : Path
+        Where it lies.
+    text : str
+        Its source.
+    tree : ast.Module
+        Parsed.
+    generation : int
+        Of the testbed's API that it is to run on, 1 or 2.
+    search : tuple of Path
+        Where local modules may lie, besides its own folder.
+    """
+
+    path: Path
+    text: str
+    tree: ast.Module
+    generation: int = 2
+    search: tuple[Path, ...] = ()
+    names: dict[str, Any] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.names = constants_of(self.tree)
+
+    @cached_property
+    def aliases(self) -> dict[str, str]:
+        """What each imported name stands for, as a dotted path."""
+        found: dict[str, str] = {}
+        for node in ast.walk(self.tree):
+            if isinstance(node, ast.Import):
+                for alias in node.names:
+                    top = alias.name.partition(".")[0]
+                    found[alias.asname or top] = alias.name if alias.asname else top
+            elif isinstance(node, ast.ImportFrom) and not node.level:
+                for alias in node.names:
+                    found[alias.asname or alias.name] = f"{node.module}.{alias.name}"
+        # rps's modules hand these on to whoever takes a star from them.
+        if any(name.endswith(".*") and name.startswith("rps.") for name in found.values()):
+            found.setdefault("np", "numpy")
+            found.setdefault("plt", "matplotlib.pyplot")
+            found.setdefault("time", "time")
+        return found
+
+    @cached_property
+    def trace(self) -> import_graph.Trace:
+        """Everything it imports."""
+        return import_graph.trace(self.path, self.search)
+
+    def called(self, call: ast.Call) -> str:
+        """Return the dotted path of what is called, as ``numpy.load``; empty if unknown."""
+        parts: list[str] = []
+        node: ast.expr = call.func
+        while isinstance(node, ast.Attribute):
+            parts.append(node.attr)
+            node = node.value
+        if not isinstance(node, ast.Name):
+            return ""
+        return ".".join([self.aliases.get(node.id, node.id), *reversed(parts)])
+
+    @cached_property
+    def calls(self) -> list[ast.Call]:
+        """Every call, in the order of the text."""
+        found = [node for node in ast.walk(self.tree) if isinstance(node, ast.Call)]
+        return sorted(found, key=lambda call: (call.lineno, call.col_offset))
+
+    @cached_property
+    def stepping_loops(self) -> list[ast.For | ast.While]:
+        """Outermost loops that drive the robots: that step, or call a function that does."""
+        stepping = stepping_functions(self.tree)
+        found: list[ast.For | ast.While] = []
+
+        def look(node: ast.AST) -> None:
+            for child in ast.iter_child_nodes(node):
+                if isinstance(child, (ast.For, ast.While)) and _steps(child, stepping):
+                    found.append(child)
+                else:
+                    look(child)
+
+        look(self.tree)
+        return found
+
+
+def stepping_functions(tree: ast.Module) -> set[str]:
+    """Names of functions of the script that step, directly or through another."""
+    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+    stepping: set[str] = set()
+    while True:
+        found = {f.name for f in functions if _steps(f, stepping)}
+        if found == stepping:
+            return stepping
+        stepping = found
+
+
+def _steps(node: ast.AST, stepping: set[str]) -> bool:
+    return any(
+        is_call_to(inner, stepping)
+        or (
+            isinstance(inner, ast.Call)
+            and isinstance(inner.func, ast.Attribute)
+            and inner.func.attr == "step"
+            and not inner.args
+            and not inner.keywords
+        )
+        for inner in ast.walk(node)
+    )
+
+
+def is_call_to(node: ast.AST, names: set[str]) -> bool:
+    """Whether a node calls a function of one of these names, or a method of ``self``."""
+    if not isinstance(node, ast.Call):
+        return False
+    func = node.func
+    if isinstance(func, ast.Name):
+        return func.id in names
+    return (
+        isinstance(func, ast.Attribute)
+        and isinstance(func.value, ast.Name)
+        and func.value.id == "self"
+        and func.attr in names
+    )
