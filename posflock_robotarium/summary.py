@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -60,8 +61,11 @@ class Summary:
     ended: str
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the numbers under their names, ready for JSON."""
-        return asdict(self)
+        """Return the numbers under their names, ready for JSON; what is undefined is None."""
+        return {
+            name: None if isinstance(value, float) and math.isnan(value) else value
+            for name, value in asdict(self).items()
+        }
 
     def __str__(self) -> str:
         since = f"t > {self.settled:g} s"

@@ -1,5 +1,6 @@
 """The flock on wheels keeps its promises in the arena, and refuses what means nothing."""
 
+import json
 import math
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.testing import assert_allclose
 from posflock_robotarium.errors import ParameterError
 from posflock_robotarium.flock import Flock, SteeringParameters, WheelParameters
 from posflock_robotarium.placement import random_poses
+from posflock_robotarium.poselog import Log
 from posflock_robotarium.summary import summarise
 from posflock_robotarium.trial import simulate
 
@@ -119,3 +121,19 @@ def test_the_number_of_robots_stays():
     flock.step(start_of(0))
     with pytest.raises(ParameterError, match="expected 9 robots as at the first step, got 4"):
         flock.step(start_of(0)[:, :4])
+
+
+def test_a_summary_in_which_nothing_moved_is_valid_json():
+    rows = 100
+    log = Log(
+        t=0.033 * np.arange(rows),
+        poses=np.repeat(start_of(0)[None], rows, axis=0),
+        commands=np.zeros((rows, 2, 9)),
+        status=np.full(rows, "trivial"),
+        moved=np.zeros(rows),
+        smallest_h=np.zeros(rows),
+        metadata={"neighbour_radius": 0.75, "time_step": 0.033},
+    )
+    numbers = summarise(log).as_dict()
+    assert numbers["gamma_motion"] is None
+    json.dumps(numbers, allow_nan=False)

@@ -150,6 +150,16 @@ def test_a_parked_flock_is_said_to_stand_however_parallel_its_headings(noise):
     assert verdict(analysis, "sure").mark == "caution"
 
 
+def test_one_robot_of_many_that_stands_is_told():
+    moving = known_flock("parallel", 0.1, robots=20, position_noise=0).recording
+    poses = moving.poses.copy()
+    poses[:, :, 3] = poses[0, :, 3]
+    analysis = analyse(dataclasses.replace(moving, poses=poses), radius=100.0)
+    assert analysis.numbers["robots_standing"].value == 1
+    assert verdict(analysis, "align").answer == "Those that moved did."
+    assert "1 of 20 robots stood over half the time." in verdict(analysis, "align").because
+
+
 def test_a_flock_that_parks_on_the_way_came_to_a_stop():
     moving = known_flock("parallel", 0.1, duration=70.0, position_noise=0).recording
     poses = moving.poses.copy()

@@ -210,6 +210,14 @@ def _motion(s: Situation, add: _Add) -> None:
         "share",
         f"Share of robots and time {since} at no more than {s.slowest:g} m/s.",
     )
+    stood = np.array([_mean(row, weights[s.settled]) for row in (speeds <= s.slowest)[s.settled].T])
+    add(
+        "robots_standing",
+        "robots that stood",
+        float((stood > 0.5).sum()),
+        "",
+        f"Robots that moved at no more than {s.slowest:g} m/s for over half the time {since}.",
+    )
     final = r.t >= r.t[-1] - LAST_SHARE * (r.t[-1] - r.t[0])
     add(
         "standing_end",

@@ -109,7 +109,9 @@ def _aligned(v: Mapping[str, float], threshold: float, slowest: float) -> Verdic
             "have a direction, or without a neighbour that moves."
         )
     if motion >= threshold and headings >= threshold:
-        if v["standing"] > SOME or v["left_out_motion"] > 0.25:
+        if stood := int(v["robots_standing"]):
+            because += f" {stood} of {v['robots']:g} robots stood over half the time."
+        if stood or v["standing"] > SOME or v["left_out_motion"] > 0.25:
             return Verdict(question, "caution", "Those that moved did.", because, "partly aligned")
         if v["steadiness_motion"] < 0.75:
             answer = "On average, not steadily."

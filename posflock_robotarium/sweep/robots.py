@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -56,7 +57,7 @@ def _run_robots(parameters: Parameters, seeds: Sequence[np.random.SeedSequence])
             realism=profile.start(),
             seed=int(noise.generate_state(1, np.uint64)[0]),
         )
-        numbers = summarise(trial.truth()).as_dict()
+        numbers = asdict(summarise(trial.truth()))
         found.append({k: float(v) for k, v in numbers.items() if not isinstance(v, str)})
         del found[-1]["duration"]
     return found
