@@ -2,6 +2,7 @@
 
 import json
 import pickle
+import warnings
 import zlib
 
 import h5py
@@ -491,3 +492,13 @@ def test_times_that_must_be_milliseconds_are_asked_about(tmp_path):
     rows = "\n".join(f"{33 * k},{0.003 * k},0,0" for k in range(20))
     with pytest.raises(LayoutError, match=r"33 s from one pose to the next.*milliseconds"):
         read(write(tmp_path / "ms.csv", f"t,x,y,theta\n{rows}"))
+
+
+def test_times_that_are_not_finite_are_refused_by_row(tmp_path):
+    t, poses = rolling(30, 2)
+    t[4:6] = np.inf
+    np.savez(tmp_path / "run.npz", poses=poses, t=t)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(LogError, match="row 4"):
+            read(tmp_path / "run.npz", ReadOptions(layout="T,3,N"))

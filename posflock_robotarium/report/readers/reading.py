@@ -145,6 +145,13 @@ def _find(file: Path, kind: str, options: ReadOptions) -> Found:
     return poses_of_array(floats(array, where), where, options)
 
 
+def _usual_step(t: Floats) -> float:
+    """Return the median time between poses, s; 0 where no two times are known."""
+    known = t[np.isfinite(t)]
+    with np.errstate(over="ignore"):
+        return float(np.median(np.diff(known))) if len(known) > 1 else 0.0
+
+
 def _recording(
     found: Found, name: str, sources: tuple[str, ...], options: ReadOptions
 ) -> Recording:
@@ -169,7 +176,7 @@ def _recording(
         notes.append(f"no time in the file: samples {dt:g} s apart")
     if len(t) != len(poses):
         raise LogError(f"{where}: {len(t)} times for {len(poses)} poses")
-    if len(t) > 1 and (step := float(np.median(np.diff(t)))) > LONGEST_STEP:
+    if (step := _usual_step(t)) > LONGEST_STEP:
         raise LayoutError(
             f"{where}: {step:g} s from one pose to the next, expected at most {LONGEST_STEP:g} s: "
             "are the times in milliseconds? Write them in seconds, or name the column time_ms"
