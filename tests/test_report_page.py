@@ -20,6 +20,7 @@ from posflock_robotarium.report.outputs import (
 )
 from posflock_robotarium.report.page import render, write_page
 from posflock_robotarium.report.truth import known_flock
+from posflock_robotarium.report.words import unbroken
 
 HOSTILE = """</script><script>alert(1)</script><img src=x onerror=alert(2)>"'&{{7*7}}<!--"""
 
@@ -97,6 +98,13 @@ def test_the_page_is_one_file_that_asks_for_nothing(analysis):
     assert policy.startswith("default-src 'none'; ")
     assert "@import" not in page
     assert not re.search(r"url\((?!data:)", page)
+
+
+def test_no_line_of_a_verdict_ends_between_a_number_and_its_unit(analysis):
+    assert re.search(r"\d\u00a0% of the run", render([analysis]))
+    assert unbroken("3 measures, 0.1 m/s, 2 mm of 5 s") == (
+        "3 measures, 0.1\u00a0m/s, 2\u00a0mm of 5\u00a0s"
+    )
 
 
 def test_the_policy_names_the_scripts_that_are_there(analysis):

@@ -26,7 +26,7 @@ from posflock_robotarium.report.analysis import Analysis
 from posflock_robotarium.report.catalogue import BY_KEY, Panel, panels
 from posflock_robotarium.report.comparison import Comparison, compare
 from posflock_robotarium.report.verdicts import headline
-from posflock_robotarium.report.words import number_text
+from posflock_robotarium.report.words import number_text, unbroken
 
 Floats = NDArray[np.float64]
 
@@ -71,6 +71,7 @@ def render(analyses: Sequence[Analysis], comparison: Comparison | None = None) -
         lstrip_blocks=True,
     )
     environment.filters["number"] = number_text
+    environment.filters["unbroken"] = unbroken
     if comparison is None and len(analyses) > 1:
         comparison = compare(analyses)
     scripts = [_asset("uPlot.iife.min.js"), _asset("report.js")]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 
 def number_text(value: float, unit: str = "") -> str:
@@ -51,3 +52,14 @@ def _significant(value: float) -> str:
         return f"{mantissa}·10^{int(exponent)}".replace("-", "−")
     digits = max(0, 3 - 1 - math.floor(math.log10(size)))
     return f"{value:.{digits}f}".replace("-", "−")
+
+
+def unbroken(text: str) -> str:
+    r"""Return a sentence in which no line ends between a number and its unit.
+
+    Examples
+    --------
+    >>> unbroken("93 % of 120.0 s") == "93\u00a0% of 120.0\u00a0s"
+    True
+    """
+    return re.sub(r"(?<=\d) (?=(?:%|mm|m|s|m/s|rad/s)(?![\w/]))", "\u00a0", text)
