@@ -194,13 +194,35 @@ def test_parallel_headings_with_scattered_motion_are_not_alignment():
     assert "headings and motion disagree" in verdict(analysis, "sure").answer
 
 
+def rotation(angle):
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+
+
 def test_headings_in_degrees_are_noticed():
     flock = known_flock("random", 0.1)
     poses = flock.recording.poses.copy()
     poses[:, 2] = np.degrees(poses[:, 2])
     analysis = analyse(dataclasses.replace(flock.recording, poses=poses), radius=100.0)
     assert verdict(analysis, "sure").mark == "bad"
-    assert "in radians" in verdict(analysis, "sure").because
+    assert "degrees" in verdict(analysis, "sure").answer
+
+
+def test_degrees_that_happen_to_lie_along_the_motion_are_noticed():
+    moving = known_flock("parallel", 0.1, robots=4).recording
+    course = np.arctan2(*(moving.poses[-1, 1::-1, 0] - moving.poses[0, 1::-1, 0]))
+    poses = moving.poses.copy()
+    poses[:, :2] = rotation(np.radians(70.0) - course) @ poses[:, :2]
+    poses[:, 2] = 70.0  # which is 51 degrees as an angle in radians
+    analysis = analyse(dataclasses.replace(moving, poses=poses), radius=100.0)
+    assert 0.15 < analysis.numbers["heading_offset"].value < 0.35
+    assert "degrees" in verdict(analysis, "sure").answer
+
+
+def test_headings_that_count_whole_turns_are_radians():
+    moving = known_flock("parallel", 0.1, robots=4).recording
+    poses = moving.poses + np.array([[0.0], [0.0], [6 * np.pi]])
+    analysis = analyse(dataclasses.replace(moving, poses=poses), radius=100.0)
+    assert verdict(analysis, "sure").mark == "good"
 
 
 def pair(distance, heading=(0.0, 0.0), samples=120):

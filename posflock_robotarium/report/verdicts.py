@@ -11,6 +11,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
 from posflock_robotarium.metrics import SMOOTHING_POINTS
 from posflock_robotarium.report.numbers import Number
 from posflock_robotarium.report.readers import Recording
@@ -28,6 +30,11 @@ SOME = 0.1
 
 WRONG_HEADINGS = 0.35
 """Radians (20°) between headings and motion that no tracking offset explains."""
+
+DOUBTFUL_HEADINGS = 0.15
+"""The same (9°) where headings begin at values that are no angles in radians."""
+
+SURE = "How sure are we?"
 
 
 @dataclass(frozen=True)
@@ -79,7 +86,7 @@ def verdicts_of(
     value = {key: float(number.value) for key, number in numbers.items()}
     verdicts = [_aligned(value, threshold, slowest), _together(value), _safe(value)]
     verdicts += _limits(value)
-    verdicts.append(_sure(value))
+    verdicts.append(_in_degrees(recording, value) or _sure(value))
     verdicts += _complete(recording, value)
     return tuple(verdicts)
 
@@ -249,8 +256,22 @@ def _limits(v: Mapping[str, float]) -> Iterator[Verdict]:
         yield Verdict(question, "good", "Yes.", f"No wheel over its limit, no stall. {helped}")
 
 
+def _in_degrees(recording: Recording, v: Mapping[str, float]) -> Verdict | None:
+    """Judge headings that begin beyond a full turn, and that motion does not confirm."""
+    first = float(np.nanmax(np.abs(recording.poses[0, 2])))
+    if first <= 2 * math.pi or not v["heading_offset"] > DOUBTFUL_HEADINGS:
+        return None
+    return Verdict(
+        SURE,
+        "bad",
+        "Not at all: headings seem to be in degrees.",
+        f"They begin at up to {first:.3g}, which is no angle in radians, and robots do not move "
+        "along them: convert them with numpy.radians, and report again.",
+    )
+
+
 def _sure(v: Mapping[str, float]) -> Verdict:
-    question = "How sure are we?"
+    question = SURE
     if v["heading_offset"] > WRONG_HEADINGS:
         return Verdict(
             question,
