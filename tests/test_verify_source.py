@@ -146,17 +146,26 @@ def test_a_script_of_generation_one_passes_where_that_is_asked_for(tmp_path):
         "try:\n    pass\nexcept* ValueError:\n    pass\n",
         "a[*b]\n",
         "type X = int\n",
+        "type Pair[T] = tuple[T, T]\n",
         "def f[T](x: T) -> T: ...\n",
+        "class Queue[T]: pass\n",
         "f'{x['a']}'\n",
+        'print(f"at {", ".join(x)} m")\n',
         "f'{\"\\n\".join(x)}'\n",
+        't"at {x} m"\n',
+        "try:\n    pass\nexcept A, B:\n    pass\n",
     ],
 )
-def test_syntax_newer_than_the_testbeds(text):
-    try:
-        ast.parse(text)
-    except SyntaxError:
-        pytest.skip("this Python does not accept it either")
-    assert newer_syntax(text) is not None
+def test_syntax_newer_than_the_testbeds(tmp_path, text):
+    """Whether the Python that looks at it reads it or is too old itself."""
+    assert [code for code, _ in codes(tmp_path, text)] == ["newer-python"]
+
+
+@pytest.mark.parametrize(
+    "text", ["f'{x'\n", "type X\n", "def f(:\n", "x = (1\n", "print 'hello'\n", "except A:\n"]
+)
+def test_what_no_python_reads_is_not_called_newer(tmp_path, text):
+    assert [code for code, _ in codes(tmp_path, text)] == ["syntax"]
 
 
 @pytest.mark.parametrize(

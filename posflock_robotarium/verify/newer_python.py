@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import ast
 import io
+import re
 import subprocess
 import sys
 import token
@@ -85,6 +86,28 @@ REMOVED_FROM_NUMPY = {
     "issubclass_": "issubclass",
     "set_string_function": "set_printoptions",
 }
+
+
+#: What a line looks like that only a newer Python reads → what it uses, and since when.
+_NEWER_LINES = {
+    r"\s*type\s+\w+\s*(\[.*\]\s*)?=": "the type statement, of Python 3.12",
+    r"\s*((async\s+)?def|class)\s+\w+\s*\[": "type parameters, of Python 3.12",
+    r".*\b[rR]?[fF][rR]?(['\"])[^'\"{]*\{[^{}]*\1.*\}": "an f-string that uses its own quotes"
+    " inside, as of Python 3.12",
+    r".*\b[tT]['\"].*\{": "a template string, of Python 3.14",
+    r"\s*except\s+\w[\w.]*\s*,.*:": "except without parentheses, of Python 3.14",
+}
+
+
+def newer_than_this_python(error: SyntaxError) -> str | None:
+    """Return what of a newer Python the line uses that this Python cannot read; None if nothing.
+
+    This Python may itself be too old to parse what it is to warn of.
+    """
+    if "backslash" in error.msg and error.msg.startswith("f-string"):
+        return "an f-string with a backslash inside, as of Python 3.12"
+    line = error.text or ""
+    return next((what for form, what in _NEWER_LINES.items() if re.match(form, line)), None)
 
 
 def newer_syntax(source: str) -> tuple[int, str] | None:

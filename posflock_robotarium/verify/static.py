@@ -21,6 +21,7 @@ from posflock_robotarium.verify.findings import Finding, Verdict
 from posflock_robotarium.verify.saving import check_saving
 from posflock_robotarium.verify.source import Source
 
+_OLDER_WAY = "the testbed runs Python 3.10; write it the older way"
 _FINISHING = ("debug", "call_at_scripts_end")
 
 
@@ -52,20 +53,29 @@ def check_source(
     try:
         tree = ast.parse(text, filename=str(script))
     except (SyntaxError, ValueError) as error:
-        line = getattr(error, "lineno", None)
-        reason = getattr(error, "msg", None) or str(error)
-        return [
-            Finding(
-                "syntax",
-                Verdict.FAIL,
-                f"Python cannot read it: {reason}",
-                "mend the line; `python -m py_compile` shows the place",
-                line=line,
-            )
-        ], None
+        return [_unreadable(error)], None
     source = Source(Path(script), text, tree, generation, search)
     findings = [finding for check in CHECKS for finding in check(source)]
     return sorted(findings, key=lambda finding: (finding.file, finding.line or 0)), source
+
+
+def _unreadable(error: SyntaxError | ValueError) -> Finding:
+    """Tell what is wrong with a source that this Python does not parse."""
+    if not isinstance(error, SyntaxError):  # a null byte
+        return Finding(
+            "syntax", Verdict.FAIL, f"Python cannot read it: {error}", "save it as plain text"
+        )
+    newer = newer_python.newer_than_this_python(error)
+    if newer:
+        reason = f"newer than Python 3.10: {newer}"
+        return Finding("newer-python", Verdict.FAIL, reason, _OLDER_WAY, line=error.lineno)
+    return Finding(
+        "syntax",
+        Verdict.FAIL,
+        f"Python cannot read it: {error.msg}",
+        "mend the line; `python -m py_compile` shows the place",
+        line=error.lineno,
+    )
 
 
 # --- Python and libraries ----------------------------------------------------------------------
@@ -73,16 +83,15 @@ def check_source(
 
 def check_python(source: Source) -> Iterator[Finding]:
     """Syntax and library of Python 3.10, names of numpy 2."""
-    advice = "the testbed runs Python 3.10; write it the older way"
     syntax = newer_python.newer_syntax(source.text)
     if syntax:
         line, reason = syntax
         yield Finding(
-            "newer-python", Verdict.FAIL, f"newer than Python 3.10: {reason}", advice, line=line
+            "newer-python", Verdict.FAIL, f"newer than Python 3.10: {reason}", _OLDER_WAY, line=line
         )
     for line, name in newer_python.newer_library(source.tree):
         yield Finding(
-            "newer-python", Verdict.FAIL, f"{name} is newer than Python 3.10", advice, line=line
+            "newer-python", Verdict.FAIL, f"{name} is newer than Python 3.10", _OLDER_WAY, line=line
         )
     for line, name, instead in newer_python.removed_from_numpy(source.tree):
         yield Finding(
