@@ -90,6 +90,8 @@ REMOVED_FROM_NUMPY = {
 
 #: What a line looks like that only a newer Python reads → what it uses, and since when.
 _NEWER_LINES = {
+    r"\s*except\s*\*": "except*, of Python 3.11",
+    r".*\w\[\s*(.*,\s*)?\*\w": "a star in a subscript, of Python 3.11",
     r"\s*type\s+\w+\s*(\[.*\]\s*)?=": "the type statement, of Python 3.12",
     r"\s*((async\s+)?def|class)\s+\w+\s*\[": "type parameters, of Python 3.12",
     r".*\b[rR]?[fF][rR]?(['\"])[^'\"{]*\{[^{}]*\1.*\}": "an f-string that uses its own quotes"
