@@ -10,6 +10,7 @@ KeyboardInterrupt ends the run inside ``step()``.  What the script wrote comes b
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import os
@@ -31,6 +32,8 @@ from posflock_robotarium.interpreters import installed_pythons
 
 #: Always installed; heavier ones only where the bundle imports them.
 _BASE = ("numpy", "scipy", "matplotlib", "cvxopt")
+#: How robots may come to their initial conditions.
+_WAYS_TO_BEGIN = ("arrive", "exact", "drive")
 _PRIVATE = {"rps_compat": "_rehearsal_rps", "barrier_certificates": "_rehearsal_certificates"}
 
 
@@ -160,8 +163,12 @@ def rehearse(
     folder, out = Path(folder), Path(out)
     if not 0 < duration <= testbed.MAX_DURATION:
         raise ParameterError(
-            f"duration: expected at most {testbed.MAX_DURATION:.0f} s, got {duration}"
+            f"duration: expected above 0 and at most {testbed.MAX_DURATION:.0f} s, got {duration}"
         )
+    if not timeout > 0:
+        raise ParameterError(f"timeout: expected more than 0 s, got {timeout}")
+    if initial not in _WAYS_TO_BEGIN:
+        raise ParameterError(f"initial: expected {', '.join(_WAYS_TO_BEGIN)}, got {initial!r}")
     if generation not in (1, 2):
         raise ParameterError(f"generation: expected 1 or 2, got {generation}")
     chosen = profile if isinstance(profile, Profile) else load_profile(profile)
@@ -322,30 +329,35 @@ def _run(
         command = ["unshare", "--map-root-user", "--net", *command]
         network = "no network: a network namespace of its own"
     kept = {name: os.environ[name] for name in ("PATH", "HOME", "LANG") if name in os.environ}
-    process = subprocess.Popen(
-        command,
-        cwd=scratch,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        start_new_session=True,
-        env=kept
-        | {
-            "MPLBACKEND": "Agg",
-            "MPLCONFIGDIR": str(_cache() / "matplotlib"),
-            "OPENBLAS_NUM_THREADS": "1",
-            "PYTHONUNBUFFERED": "1",
-        },
-    )
-    said = b""
-    for grace, sent in ((timeout, signal.SIGINT), (10.0, signal.SIGKILL), (None, None)):
+    # Into a file: a pipe would stay open as long as anything that the script left running.
+    with open(room / "said.txt", "wb") as said:
+        process = subprocess.Popen(
+            command,
+            cwd=scratch,
+            stdin=subprocess.DEVNULL,
+            stdout=said,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+            env=kept
+            | {
+                "MPLBACKEND": "Agg",
+                "MPLCONFIGDIR": str(_cache() / "matplotlib"),
+                "OPENBLAS_NUM_THREADS": "1",
+                "PYTHONUNBUFFERED": "1",
+            },
+        )
         try:
-            said, _ = process.communicate(timeout=grace)
-            break
-        except subprocess.TimeoutExpired:
-            assert sent is not None
-            os.killpg(process.pid, sent)
-    return said.decode(errors="replace"), network
+            for grace, sent in ((timeout, signal.SIGINT), (10.0, signal.SIGKILL), (None, None)):
+                try:
+                    process.wait(timeout=grace)
+                    break
+                except subprocess.TimeoutExpired:
+                    assert sent is not None
+                    os.killpg(process.pid, sent)
+        finally:  # the run and whatever it started
+            with contextlib.suppress(ProcessLookupError, PermissionError):
+                os.killpg(process.pid, signal.SIGKILL)
+    return (room / "said.txt").read_text(encoding="utf-8", errors="replace"), network
 
 
 def _can_unshare() -> bool:
