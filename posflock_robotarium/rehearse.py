@@ -194,10 +194,10 @@ def rehearse(
             "duration": duration,
             "verdict": str(Path(room) / "verdict.json"),
         }
-        said, network = _run(environment, scratch, Path(room), plan, timeout)
+        said, network, code = _run(environment, scratch, Path(room), plan, timeout)
         uploaded = set(names) - {main} | {"main.py"}
         back = _bring_back(scratch, out, uploaded, said)
-        verdict = _read_verdict(Path(room) / "verdict.json")
+        verdict = _read_verdict(Path(room) / "verdict.json", code)
     files = {name: describe_file(out / name) for name in back if name != "log.txt"}
     return Rehearsal(folder=out, files=files, environment=environment, network=network, **verdict)
 
@@ -319,8 +319,8 @@ def _renamed(source: str) -> str:
 
 def _run(
     environment: Environment, scratch: Path, room: Path, plan: dict[str, Any], timeout: float
-) -> tuple[str, str]:
-    """Run the plan; return what was said, and how the network was kept away."""
+) -> tuple[str, str, int]:
+    """Run the plan; return what was said, how the network was kept away, and the exit code."""
     launcher = Path(__file__).with_name("rehearsal_launcher.py")
     (room / "plan.json").write_text(json.dumps(plan))
     command = [str(environment.python), "-I", "-B", str(launcher), str(room / "plan.json")]
@@ -357,7 +357,8 @@ def _run(
         finally:  # the run and whatever it started
             with contextlib.suppress(ProcessLookupError, PermissionError):
                 os.killpg(process.pid, signal.SIGKILL)
-    return (room / "said.txt").read_text(encoding="utf-8", errors="replace"), network
+    text = (room / "said.txt").read_text(encoding="utf-8", errors="replace")
+    return text, network, process.returncode
 
 
 def _can_unshare() -> bool:
@@ -367,12 +368,14 @@ def _can_unshare() -> bool:
     return subprocess.run(command, capture_output=True, check=False).returncode == 0
 
 
-def _read_verdict(path: Path) -> dict[str, Any]:
+def _read_verdict(path: Path, code: int) -> dict[str, Any]:
     try:
         verdict: dict[str, Any] = json.loads(path.read_text())
     except (OSError, ValueError):
         verdict = {"ended": "hung", "seconds": 0.0, "steps": 0, "robots": 0, "faults": {}}
         verdict["reason"] = "it was killed, or went on after it had been interrupted"
+        if code >= 0:  # not by a signal
+            verdict |= {"ended": "exited", "reason": f"its process ended itself, exit code {code}"}
     return verdict
 
 

@@ -220,3 +220,10 @@ def test_ends_although_the_script_left_processes_running_that_hold_its_output(tm
 def test_refuses_options_outside_their_range(tmp_path, wrong):
     with pytest.raises(ParameterError, match=next(iter(wrong))):
         rehearse(laid(tmp_path, SCRIPT), tmp_path / "back", environment=HERE, **wrong)
+
+
+def test_a_script_that_ends_its_process_is_not_said_to_hang(tmp_path):
+    text = SCRIPT + "import os\nos._exit(0)\n"
+    done = rehearse(laid(tmp_path, text), tmp_path / "back", environment=HERE)
+    assert (done.ended, done.passed) == ("exited", False)
+    assert "ended itself, exit code 0" in done.reason
