@@ -120,6 +120,8 @@ def bundle(
         Where `folder` cannot be written, or holds something else.
     """
     script, folder = Path(script), Path(folder)
+    if script.suffix.lower() != ".py" and script.is_file():
+        raise BundleError(f"{script}: the main file must end in .py; rename it")
     found = import_graph.trace(script, search)
     _require_complete(found)
     files = _flat_modules(script, found)
@@ -186,7 +188,9 @@ def _flat_modules(script: Path, found: import_graph.Trace) -> dict[str, bytes]:
         owners["main.py"] = "the main file, which the testbed runs as main.py"
     packages = {local.name for local in found.locals if local.is_package}
     modules = [(local.name, local.path) for local in found.locals]
-    without_file = {name.rpartition(".")[0] for name, _ in modules if "." in name} - packages
+    parts = [name.split(".") for name, _ in modules]
+    above = {".".join(names[:k]) for names in parts for k in range(1, len(names))}
+    without_file = above - packages
     for name, path in [*modules, *((name, None) for name in sorted(without_file))]:
         flat = name.rpartition(".")[2] + ".py"
         hidden = testbed.shadowed_by(flat[:-3])

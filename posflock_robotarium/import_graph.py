@@ -15,6 +15,7 @@ choice of several solvers.  What is installed on this machine does not matter fo
 from __future__ import annotations
 
 import ast
+import contextlib
 import importlib.machinery
 import importlib.util
 import operator
@@ -263,7 +264,7 @@ def _walk(
                     yield from _walk(handler.body, package, guarded, lazy)
             yield from _walk([*node.orelse, *node.finalbody], package, guarded, lazy)
         else:
-            for module in _called(node):
+            for module in _called(node, package):
                 yield Import(module, (), node.lineno, guarded, lazy=lazy)
             inside = isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
             for _, value in ast.iter_fields(node):
@@ -275,7 +276,7 @@ def _walk(
                     yield from _walk(statements, package, guarded, lazy or inside)
 
 
-def _called(node: ast.stmt) -> Iterator[str]:
+def _called(node: ast.stmt, package: str) -> Iterator[str]:
     """Yield what a statement imports by ``import_module("name")`` or ``__import__("name")``."""
     parts = (ast.stmt, ast.excepthandler, ast.match_case)
     for part in ast.iter_child_nodes(node):
@@ -286,8 +287,23 @@ def _called(node: ast.stmt) -> Iterator[str]:
             module = getattr(inner.args[0], "value", None)
             if name not in ("import_module", "__import__") or not isinstance(module, str):
                 continue
-            if not module.startswith("."):
+            if module.startswith("."):
+                module = _relative(inner, module, package)
+            if module:
                 yield module
+
+
+def _relative(call: ast.Call, module: str, package: str) -> str:
+    """Resolve ``import_module(".name", "package")``; empty where the package is not plain."""
+    named = [keyword.value for keyword in call.keywords if keyword.arg == "package"]
+    for anchor in (*call.args[1:2], *named):
+        if isinstance(anchor, ast.Name) and anchor.id == "__package__":
+            base = package
+        else:
+            base = str(getattr(anchor, "value", ""))
+        with contextlib.suppress(ImportError):
+            return importlib.util.resolve_name(module, base)
+    return ""
 
 
 def _absent_library(tree: ast.Module, folders: Sequence[Path]) -> str | None:
@@ -352,8 +368,12 @@ def _absolute(node: ast.ImportFrom, package: str) -> str:
 
 
 def _beside(top: str, folder: Path) -> bool:
-    """Whether a file of the user's hides a library of that name."""
-    return (folder / f"{top}.py").is_file()
+    """Whether a module or package of the user's hides a library of that name.
+
+    A package ``rps`` beside the script is a copy of the simulator, which stays here.
+    """
+    is_package = (folder / top / "__init__.py").is_file() and top != testbed.SIMULATOR
+    return is_package or (folder / f"{top}.py").is_file()
 
 
 def _files(statement: Import, folders: Sequence[Path]) -> Iterator[tuple[str, Path, bool]]:
@@ -375,7 +395,7 @@ def _files(statement: Import, folders: Sequence[Path]) -> Iterator[tuple[str, Pa
             if (folder / f"{last}.py").is_file():
                 yield name, folder / f"{last}.py", False
                 break
-            if (folder / last).is_dir() and any((folder / last).glob("*.py")):
+            if (folder / last).is_dir() and any((folder / last).rglob("*.py")):
                 places[name] = [folder / last]
                 break
 

@@ -10,6 +10,7 @@ KeyboardInterrupt ends the run inside ``step()``.  What the script wrote comes b
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import os
@@ -31,6 +32,8 @@ from posflock_robotarium.interpreters import installed_pythons
 
 #: Always installed; heavier ones only where the bundle imports them.
 _BASE = ("numpy", "scipy", "matplotlib", "cvxopt")
+#: How robots may come to their initial conditions.
+_WAYS_TO_BEGIN = ("arrive", "exact", "drive")
 _PRIVATE = {"rps_compat": "_rehearsal_rps", "barrier_certificates": "_rehearsal_certificates"}
 
 
@@ -160,8 +163,12 @@ def rehearse(
     folder, out = Path(folder), Path(out)
     if not 0 < duration <= testbed.MAX_DURATION:
         raise ParameterError(
-            f"duration: expected at most {testbed.MAX_DURATION:.0f} s, got {duration}"
+            f"duration: expected above 0 and at most {testbed.MAX_DURATION:.0f} s, got {duration}"
         )
+    if not timeout > 0:
+        raise ParameterError(f"timeout: expected more than 0 s, got {timeout}")
+    if initial not in _WAYS_TO_BEGIN:
+        raise ParameterError(f"initial: expected {', '.join(_WAYS_TO_BEGIN)}, got {initial!r}")
     if generation not in (1, 2):
         raise ParameterError(f"generation: expected 1 or 2, got {generation}")
     chosen = profile if isinstance(profile, Profile) else load_profile(profile)
@@ -187,10 +194,10 @@ def rehearse(
             "duration": duration,
             "verdict": str(Path(room) / "verdict.json"),
         }
-        said, network = _run(environment, scratch, Path(room), plan, timeout)
+        said, network, code = _run(environment, scratch, Path(room), plan, timeout)
         uploaded = set(names) - {main} | {"main.py"}
         back = _bring_back(scratch, out, uploaded, said)
-        verdict = _read_verdict(Path(room) / "verdict.json")
+        verdict = _read_verdict(Path(room) / "verdict.json", code)
     files = {name: describe_file(out / name) for name in back if name != "log.txt"}
     return Rehearsal(folder=out, files=files, environment=environment, network=network, **verdict)
 
@@ -312,8 +319,8 @@ def _renamed(source: str) -> str:
 
 def _run(
     environment: Environment, scratch: Path, room: Path, plan: dict[str, Any], timeout: float
-) -> tuple[str, str]:
-    """Run the plan; return what was said, and how the network was kept away."""
+) -> tuple[str, str, int]:
+    """Run the plan; return what was said, how the network was kept away, and the exit code."""
     launcher = Path(__file__).with_name("rehearsal_launcher.py")
     (room / "plan.json").write_text(json.dumps(plan))
     command = [str(environment.python), "-I", "-B", str(launcher), str(room / "plan.json")]
@@ -322,30 +329,36 @@ def _run(
         command = ["unshare", "--map-root-user", "--net", *command]
         network = "no network: a network namespace of its own"
     kept = {name: os.environ[name] for name in ("PATH", "HOME", "LANG") if name in os.environ}
-    process = subprocess.Popen(
-        command,
-        cwd=scratch,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        start_new_session=True,
-        env=kept
-        | {
-            "MPLBACKEND": "Agg",
-            "MPLCONFIGDIR": str(_cache() / "matplotlib"),
-            "OPENBLAS_NUM_THREADS": "1",
-            "PYTHONUNBUFFERED": "1",
-        },
-    )
-    said = b""
-    for grace, sent in ((timeout, signal.SIGINT), (10.0, signal.SIGKILL), (None, None)):
+    # Into a file: a pipe would stay open as long as anything that the script left running.
+    with open(room / "said.txt", "wb") as said:
+        process = subprocess.Popen(
+            command,
+            cwd=scratch,
+            stdin=subprocess.DEVNULL,
+            stdout=said,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+            env=kept
+            | {
+                "MPLBACKEND": "Agg",
+                "MPLCONFIGDIR": str(_cache() / "matplotlib"),
+                "OPENBLAS_NUM_THREADS": "1",
+                "PYTHONUNBUFFERED": "1",
+            },
+        )
         try:
-            said, _ = process.communicate(timeout=grace)
-            break
-        except subprocess.TimeoutExpired:
-            assert sent is not None
-            os.killpg(process.pid, sent)
-    return said.decode(errors="replace"), network
+            for grace, sent in ((timeout, signal.SIGINT), (10.0, signal.SIGKILL), (None, None)):
+                try:
+                    process.wait(timeout=grace)
+                    break
+                except subprocess.TimeoutExpired:
+                    assert sent is not None
+                    os.killpg(process.pid, sent)
+        finally:  # the run and whatever it started
+            with contextlib.suppress(ProcessLookupError, PermissionError):
+                os.killpg(process.pid, signal.SIGKILL)
+    text = (room / "said.txt").read_text(encoding="utf-8", errors="replace")
+    return text, network, process.returncode
 
 
 def _can_unshare() -> bool:
@@ -355,12 +368,14 @@ def _can_unshare() -> bool:
     return subprocess.run(command, capture_output=True, check=False).returncode == 0
 
 
-def _read_verdict(path: Path) -> dict[str, Any]:
+def _read_verdict(path: Path, code: int) -> dict[str, Any]:
     try:
         verdict: dict[str, Any] = json.loads(path.read_text())
     except (OSError, ValueError):
         verdict = {"ended": "hung", "seconds": 0.0, "steps": 0, "robots": 0, "faults": {}}
         verdict["reason"] = "it was killed, or went on after it had been interrupted"
+        if code >= 0:  # not by a signal
+            verdict |= {"ended": "exited", "reason": f"its process ended itself, exit code {code}"}
     return verdict
 
 

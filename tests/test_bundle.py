@@ -245,3 +245,57 @@ def test_a_module_named_in_a_call_is_taken_along(tmp_path):
     write(home, "helper.py", "x = 1\n")
     text = 'import importlib\nhelper = importlib.import_module("helper")\n'
     assert "helper.py" in bundle(write(home, "main_script.py", text), tmp_path / "up").files
+
+
+def test_takes_a_package_along_that_hides_a_module_of_python(tmp_path):
+    (tmp_path / "platform").mkdir()
+    (tmp_path / "platform/__init__.py").write_text("")
+    (tmp_path / "platform/helper.py").write_text("gain = 1\n")
+    (tmp_path / "experiment.py").write_text("import rps\nfrom platform.helper import gain\n")
+    with pytest.raises(BundleError, match=r"hide Python's own module 'platform'"):
+        bundle(tmp_path / "experiment.py", tmp_path / "upload")
+
+
+def test_leaves_a_copy_of_the_simulator_beside_the_script_at_home(tmp_path):
+    (tmp_path / "rps").mkdir()
+    (tmp_path / "rps/__init__.py").write_text("")
+    (tmp_path / "rps/robotarium.py").write_text("class Robotarium: pass\n")
+    (tmp_path / "experiment.py").write_text("from rps.robotarium import Robotarium\n")
+    assert list(bundle(tmp_path / "experiment.py", tmp_path / "up").files) == ["experiment.py"]
+
+
+def test_follows_folders_without_any_module_of_their_own(tmp_path):
+    (tmp_path / "lab/control").mkdir(parents=True)
+    (tmp_path / "lab/control/gains.py").write_text("gain = 1\n")
+    (tmp_path / "experiment.py").write_text("import rps\nfrom lab.control import gains\n")
+    ready = bundle(tmp_path / "experiment.py", tmp_path / "upload")
+    assert sorted(ready.files) == ["control.py", "experiment.py", "gains.py", "lab.py"]
+
+
+@pytest.mark.parametrize(
+    "call", ["'.late', 'team'", "'.late', package='team'", "'.late', __package__"]
+)
+def test_follows_relative_names_given_to_import_module(tmp_path, call):
+    (tmp_path / "team").mkdir()
+    text = f"from importlib import import_module\nlate = import_module({call})\n"
+    (tmp_path / "team/__init__.py").write_text(text)
+    (tmp_path / "team/late.py").write_text("")
+    (tmp_path / "experiment.py").write_text("import rps\nimport team\n")
+    ready = bundle(tmp_path / "experiment.py", tmp_path / "upload")
+    assert sorted(ready.files) == ["experiment.py", "late.py", "team.py"]
+
+
+def test_takes_a_data_file_along_that_is_named_beside_the_script(tmp_path):
+    (tmp_path / "goals.npy").write_bytes(b"goals")
+    (tmp_path / "experiment.py").write_text(
+        "import rps\nimport numpy as np\nfrom pathlib import Path\n"
+        "goals = np.load(Path(__file__).resolve().with_name('goals.npy'))\n"
+    )
+    ready = bundle(tmp_path / "experiment.py", tmp_path / "upload")
+    assert sorted(ready.files) == ["experiment.py", "goals.npy"]
+
+
+def test_refuses_a_main_file_that_is_not_python_by_its_ending(tmp_path):
+    (tmp_path / "experiment.txt").write_text("import rps\n")
+    with pytest.raises(BundleError, match=r"must end in \.py"):
+        bundle(tmp_path / "experiment.txt", tmp_path / "upload")

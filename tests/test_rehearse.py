@@ -3,6 +3,7 @@
 import os
 import re
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -198,3 +199,31 @@ def test_the_experiments_bundle_repeats_the_unbundled_run(tmp_path, generation):
     assert np.abs(back.poses - here.poses).max() <= 1e-9
     assert np.abs(back.commands - here.commands).max() <= 1e-9
     assert report_on(done).exists()
+
+
+def test_ends_although_the_script_left_processes_running_that_hold_its_output(tmp_path):
+    text = SCRIPT + (
+        "import subprocess, sys\n"
+        "sleep = [sys.executable, '-c', 'import time; time.sleep(20)']\n"
+        "open('left.txt', 'w').write(str(subprocess.Popen(sleep).pid))\n"
+        "subprocess.Popen(sleep, start_new_session=True)\n"
+    )
+    begun = time.monotonic()
+    done = rehearse(laid(tmp_path, text), tmp_path / "back", environment=HERE)
+    assert done.ended == "finished"
+    assert time.monotonic() - begun < 15
+    left = Path("/proc") / (tmp_path / "back/left.txt").read_text() / "cmdline"
+    assert not left.exists() or not left.read_bytes()  # gone, or nothing but a table entry
+
+
+@pytest.mark.parametrize("wrong", [{"initial": "later"}, {"timeout": 0.0}, {"duration": -5.0}])
+def test_refuses_options_outside_their_range(tmp_path, wrong):
+    with pytest.raises(ParameterError, match=next(iter(wrong))):
+        rehearse(laid(tmp_path, SCRIPT), tmp_path / "back", environment=HERE, **wrong)
+
+
+def test_a_script_that_ends_its_process_is_not_said_to_hang(tmp_path):
+    text = SCRIPT + "import os\nos._exit(0)\n"
+    done = rehearse(laid(tmp_path, text), tmp_path / "back", environment=HERE)
+    assert (done.ended, done.passed) == ("exited", False)
+    assert "ended itself, exit code 0" in done.reason

@@ -88,7 +88,9 @@ def _path(call: ast.Call, names: dict[str, Any]) -> Any:
     if name in ("cwd", "getcwd") and not call.args:
         return PurePosixPath()
     arguments = list(call.args)
-    if name in ("resolve", "absolute", "joinpath") and isinstance(func, ast.Attribute):
+    if name == "with_name" and isinstance(func, ast.Attribute):
+        name, arguments = "joinpath", [ast.Attribute(func.value, "parent", ast.Load()), *arguments]
+    elif name in ("resolve", "absolute", "joinpath") and isinstance(func, ast.Attribute):
         arguments.insert(0, func.value)
     elif name not in ("Path", "PurePath", "join", "dirname", "abspath", "realpath", "str"):
         return None
