@@ -82,14 +82,20 @@ class Source:
         return sorted(found, key=lambda call: (call.lineno, call.col_offset))
 
     @cached_property
+    def owners(self) -> frozenset[str]:
+        """Names before the dot of a call to one of the script's own methods."""
+        return owners(self.tree)
+
+    @cached_property
     def stepping_loops(self) -> list[ast.For | ast.While]:
         """Outermost loops that drive the robots: that step, or call a function that does."""
         stepping = stepping_functions(self.tree)
+        owners = self.owners
         found: list[ast.For | ast.While] = []
 
         def look(node: ast.AST) -> None:
             for child in ast.iter_child_nodes(node):
-                if isinstance(child, (ast.For, ast.While)) and _steps(child, stepping):
+                if isinstance(child, (ast.For, ast.While)) and _steps(child, stepping, owners):
                     found.append(child)
                 else:
                     look(child)
@@ -98,20 +104,37 @@ class Source:
         return found
 
 
+def owners(tree: ast.Module) -> frozenset[str]:
+    """Return ``self``, the script's classes, and the names that an object of one is bound to."""
+    classes = {node.name for node in ast.walk(tree) if isinstance(node, ast.ClassDef)}
+    bound: set[str] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Assign):
+            value, targets = node.value, node.targets
+        elif isinstance(node, ast.withitem) and node.optional_vars is not None:
+            value, targets = node.context_expr, [node.optional_vars]
+        else:
+            continue
+        if isinstance(value, ast.Call) and getattr(value.func, "id", "") in classes:
+            bound |= {target.id for target in targets if isinstance(target, ast.Name)}
+    return frozenset({"self"} | classes | bound)
+
+
 def stepping_functions(tree: ast.Module) -> set[str]:
     """Names of functions of the script that step, directly or through another."""
     functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+    known = owners(tree)
     stepping: set[str] = set()
     while True:
-        found = {f.name for f in functions if _steps(f, stepping)}
+        found = {f.name for f in functions if _steps(f, stepping, known)}
         if found == stepping:
             return stepping
         stepping = found
 
 
-def _steps(node: ast.AST, stepping: set[str]) -> bool:
+def _steps(node: ast.AST, stepping: set[str], known: frozenset[str]) -> bool:
     return any(
-        is_call_to(inner, stepping)
+        is_call_to(inner, stepping, known)
         or (
             isinstance(inner, ast.Call)
             and isinstance(inner.func, ast.Attribute)
@@ -123,16 +146,14 @@ def _steps(node: ast.AST, stepping: set[str]) -> bool:
     )
 
 
-def is_call_to(node: ast.AST, names: set[str]) -> bool:
-    """Whether a node calls a function of one of these names, or a method of ``self``."""
+def is_call_to(node: ast.AST, names: set[str], known: frozenset[str]) -> bool:
+    """Whether a node calls a function of one of these names, or a method of a known owner."""
     if not isinstance(node, ast.Call):
         return False
     func = node.func
     if isinstance(func, ast.Name):
         return func.id in names
-    return (
-        isinstance(func, ast.Attribute)
-        and isinstance(func.value, ast.Name)
-        and func.value.id == "self"
-        and func.attr in names
-    )
+    if not isinstance(func, ast.Attribute) or func.attr not in names:
+        return False
+    owner = func.value.func if isinstance(func.value, ast.Call) else func.value
+    return isinstance(owner, ast.Name) and owner.id in known
