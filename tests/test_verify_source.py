@@ -217,3 +217,10 @@ def test_the_experiment_has_nothing_to_mend():
     script = Path(__file__).parents[1] / "experiments" / "robotarium_9bot.py"
     found, _ = check_source(script)
     assert [finding.code for finding in found] == ["local-module"]
+
+
+def test_a_module_of_a_newer_python_is_no_local_file(tmp_path):
+    script = tmp_path / "main.py"
+    script.write_text("import tomllib\n")
+    found, _ = check_source(script)
+    assert [finding.code for finding in found] == ["newer-python"]

@@ -230,9 +230,11 @@ def _run(
 
     longest = min(declared or testbed.MAX_DURATION, testbed.MAX_DURATION)
     total = trials + 4
+    counted = room.source.counts_its_steps
     (ideal,) = room.run([room.plan("ideal", longest=longest)], count("ideal run", total))
     if not ideal.outcome.steps or ideal.outcome.ended in ("crashed", "hung", "memory", "died"):
-        return judge.judge(ideal, [], None, None, None, declared, known), ideal, []
+        found = judge.judge(ideal, [], None, None, None, declared, known, counted)
+        return found, ideal, []
     moments = np.random.default_rng([seed, 1]).uniform(0.25, 0.75, 2) * ideal.outcome.time
     plans = [
         room.plan("interrupted", interrupt_at=float(moments[0]), longest=longest),
@@ -244,7 +246,7 @@ def _run(
         ),
     ]
     interrupted, killed, drive, *ran = room.run(plans, count("trials", total))
-    found = judge.judge(ideal, ran, drive.outcome, interrupted, killed, declared, known)
+    found = judge.judge(ideal, ran, drive.outcome, interrupted, killed, declared, known, counted)
     return found, ideal, ran
 
 

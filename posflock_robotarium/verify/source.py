@@ -103,6 +103,30 @@ class Source:
         look(self.tree)
         return found
 
+    @cached_property
+    def counts_its_steps(self) -> bool:
+        """Whether every loop that drives the robots ends after a number of steps."""
+        loops = self.stepping_loops
+        return bool(loops) and all(_is_counted(loop, self) for loop in loops)
+
+
+def _is_counted(loop: ast.For | ast.While, source: Source) -> bool:
+    """Whether a loop counts its steps: over a range, or in a variable that its test compares."""
+    if isinstance(loop, ast.For):
+        endless = ("itertools.count", "itertools.cycle", "itertools.repeat", "iter")
+        return not any(
+            isinstance(node, ast.Call) and source.called(node) in endless
+            for node in ast.walk(loop.iter)
+        )
+    counted = {
+        node.target.id
+        for node in ast.walk(loop)
+        if isinstance(node, ast.AugAssign) and isinstance(node.target, ast.Name)
+    }
+    return isinstance(loop.test, ast.Compare) and any(
+        isinstance(node, ast.Name) and node.id in counted for node in ast.walk(loop.test)
+    )
+
 
 def owners(tree: ast.Module) -> frozenset[str]:
     """Return ``self``, the script's classes, and the names that an object of one is bound to."""
