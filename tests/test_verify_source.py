@@ -28,6 +28,11 @@ def codes(tmp_path, text, generation=2, name="main_script.py"):
         ("import matplotlib.pyplot as p\np.show()\n", [("blocking-call", 2)]),
         ("from matplotlib.pyplot import show as s\ns()\n", [("blocking-call", 2)]),
         ("from rps.robotarium import *\nplt.show()\n", [("blocking-call", 2)]),
+        ("from matplotlib.pyplot import *\nshow()\n", [("blocking-call", 2)]),
+        (
+            "from rps.robotarium import *\nfrom math import *\nplt.show()\n",
+            [("blocking-call", 3)],
+        ),
         ("breakpoint()\n", [("blocking-call", 1)]),
         ("import builtins\nbuiltins.input()\n", [("blocking-call", 2)]),
         # Libraries: there, not there, caught, never run.

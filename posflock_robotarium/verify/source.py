@@ -44,6 +44,7 @@ class Source:
     def aliases(self) -> dict[str, str]:
         """What each imported name stands for, as a dotted path."""
         found: dict[str, str] = {}
+        starred: set[str] = set()
         for node in ast.walk(self.tree):
             if isinstance(node, ast.Import):
                 for alias in node.names:
@@ -52,11 +53,17 @@ class Source:
             elif isinstance(node, ast.ImportFrom) and not node.level:
                 for alias in node.names:
                     found[alias.asname or alias.name] = f"{node.module}.{alias.name}"
+                    starred |= {node.module or ""} if alias.name == "*" else set()
         # rps's modules hand these on to whoever takes a star from them.
-        if any(name.endswith(".*") and name.startswith("rps.") for name in found.values()):
+        if any(module.startswith("rps.") for module in starred):
             found.setdefault("np", "numpy")
             found.setdefault("plt", "matplotlib.pyplot")
             found.setdefault("time", "time")
+        if starred & {"matplotlib.pyplot", "pylab"}:
+            for name in ("show", "ginput", "waitforbuttonpress", "savefig"):
+                found.setdefault(name, f"matplotlib.pyplot.{name}")
+        if "time" in starred:
+            found.setdefault("sleep", "time.sleep")
         return found
 
     @cached_property
