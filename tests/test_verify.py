@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from posflock_robotarium import testbed
 from posflock_robotarium.errors import ParameterError
 from posflock_robotarium.import_graph import ScriptError
 from posflock_robotarium.verify import Report, ablate, verify
@@ -152,6 +153,17 @@ def test_a_fault_of_a_local_module_is_told_with_its_file(tmp_path, nursery, faul
     )
     findings = verify(tmp_path / "main.py", trials=0, limits=LIMITS, nursery=nursery).findings
     assert (findings[0].code, findings[0].file, findings[0].line) == (code, "gadget.py", 7)
+
+
+def test_a_library_that_only_this_machine_lacks_is_no_fault_of_the_script(
+    tmp_path, nursery, monkeypatch
+):
+    monkeypatch.setitem(testbed.IMPORT_NAMES, "a_library_there", "a-library-there")
+    script = tmp_path / "main.py"
+    script.write_text("import a_library_there\nfrom rps.robotarium import Robotarium\n")
+    (finding,) = verify(script, trials=0, limits=LIMITS, nursery=nursery).findings
+    assert (finding.code, finding.verdict, finding.line) == ("internal", Verdict.RISK, 1)
+    assert "pip install a-library-there" in finding.advice
 
 
 def test_a_report_is_the_same_data_in_json_and_html(tmp_path, nursery):

@@ -28,6 +28,11 @@ def codes(tmp_path, text, generation=2, name="main_script.py"):
         ("import matplotlib.pyplot as p\np.show()\n", [("blocking-call", 2)]),
         ("from matplotlib.pyplot import show as s\ns()\n", [("blocking-call", 2)]),
         ("from rps.robotarium import *\nplt.show()\n", [("blocking-call", 2)]),
+        ("from matplotlib.pyplot import *\nshow()\n", [("blocking-call", 2)]),
+        (
+            "from rps.robotarium import *\nfrom math import *\nplt.show()\n",
+            [("blocking-call", 3)],
+        ),
         ("breakpoint()\n", [("blocking-call", 1)]),
         ("import builtins\nbuiltins.input()\n", [("blocking-call", 2)]),
         # Libraries: there, not there, caught, never run.
@@ -217,3 +222,10 @@ def test_the_experiment_has_nothing_to_mend():
     script = Path(__file__).parents[1] / "experiments" / "robotarium_9bot.py"
     found, _ = check_source(script)
     assert [finding.code for finding in found] == ["local-module"]
+
+
+def test_a_module_of_a_newer_python_is_no_local_file(tmp_path):
+    script = tmp_path / "main.py"
+    script.write_text("import tomllib\n")
+    found, _ = check_source(script)
+    assert [finding.code for finding in found] == ["newer-python"]

@@ -202,6 +202,9 @@ def verify(
         found, ideal, ran = _run(room, chosen, trials, declared, seed, known, tell)
     # Runs name the file of every line; a finding does only where that is not the script.
     found = [replace(f, file="") if f.file == script.name else f for f in found]
+    # What is written elsewhere is not the run's data.
+    elsewhere = {f.line for f in found if f.code == "outside-write" and not f.file}
+    known = [f for f in known if f.code != "save-at-end" or f.line not in elsewhere]
     return _report(script, [*known, *found], generation, chosen.name, ideal, ran, declared)
 
 
@@ -230,9 +233,11 @@ def _run(
 
     longest = min(declared or testbed.MAX_DURATION, testbed.MAX_DURATION)
     total = trials + 4
+    counted = room.source.counts_its_steps
     (ideal,) = room.run([room.plan("ideal", longest=longest)], count("ideal run", total))
     if not ideal.outcome.steps or ideal.outcome.ended in ("crashed", "hung", "memory", "died"):
-        return judge.judge(ideal, [], None, None, None, declared, known), ideal, []
+        found = judge.judge(ideal, [], None, None, None, declared, known, counted)
+        return found, ideal, []
     moments = np.random.default_rng([seed, 1]).uniform(0.25, 0.75, 2) * ideal.outcome.time
     plans = [
         room.plan("interrupted", interrupt_at=float(moments[0]), longest=longest),
@@ -244,7 +249,7 @@ def _run(
         ),
     ]
     interrupted, killed, drive, *ran = room.run(plans, count("trials", total))
-    found = judge.judge(ideal, ran, drive.outcome, interrupted, killed, declared, known)
+    found = judge.judge(ideal, ran, drive.outcome, interrupted, killed, declared, known, counted)
     return found, ideal, ran
 
 

@@ -51,7 +51,7 @@ _WRITING_METHODS = frozenset(["tofile", "savefig", "write_text", "write_bytes", 
 
 def check_files(source: Source) -> Iterator[Finding]:
     """Files it reads: there, flat, with an ending that may be uploaded."""
-    written = {path for call in source.calls if (path := _path_written(source, call)) is not None}
+    written = {path for call in source.calls if (path := path_written(source, call)) is not None}
     for call, path in files_read(source):
         line = call.lineno
         if path in written or (call.args and not path):
@@ -93,7 +93,9 @@ def files_read(source: Source) -> Iterator[tuple[ast.Call, str]]:
     for call in source.calls:
         name = source.called(call)
         method = call.func.attr if isinstance(call.func, ast.Attribute) else ""
-        if name in _READERS or (name == "open" and _mode(source, call)[:1] == "r"):
+        if (name in _READERS and not _makes_memmap(source, call)) or (
+            name == "open" and _mode(source, call)[:1] == "r"
+        ):
             named = [k.value for k in call.keywords if k.arg in ("file", "fname", "filename")]
             path = constant((*call.args, *named)[0], source.names) if call.args or named else None
         elif method in ("read_text", "read_bytes") or (
@@ -112,13 +114,18 @@ def writes(source: Source, call: ast.Call) -> bool:
     """Whether a call writes a file."""
     name = source.called(call)
     opens = name == "open" or _opens_path(source, call)
-    if name in _WRITERS or (opens and _mode(source, call)[:1] in ("w", "a", "x")):
+    if (
+        name in _WRITERS
+        or _makes_memmap(source, call)
+        or (opens and _mode(source, call)[:1] in ("w", "a", "x"))
+    ):
         return True
     method = call.func.attr if isinstance(call.func, ast.Attribute) else ""
     return method in _WRITING_METHODS
 
 
-def _path_written(source: Source, call: ast.Call) -> str | None:
+def path_written(source: Source, call: ast.Call) -> str | None:
+    """Return the path that a call writes to, None where it writes none or the source hides it."""
     if not writes(source, call):
         return None
     of_path = _opens_path(source, call) or source.called(call) == ""
@@ -133,6 +140,16 @@ def _path_written(source: Source, call: ast.Call) -> str | None:
         return None
     ending = {"save": ".npy", "savez": ".npz", "savez_compressed": ".npz"}.get(method, "")
     return str(path) if str(path).endswith(ending) else f"{path}{ending}"
+
+
+def _makes_memmap(source: Source, call: ast.Call) -> bool:
+    """``numpy.memmap(…, mode="w+")``, which makes the file that it maps."""
+    given = [k.value for k in call.keywords if k.arg == "mode"] or call.args[2:3]
+    return (
+        source.called(call) == "numpy.memmap"
+        and bool(given)
+        and constant(given[0], source.names) in ("w+", "write")
+    )
 
 
 def _opens_path(source: Source, call: ast.Call) -> bool:

@@ -17,6 +17,8 @@ from posflock_robotarium.verify.trials import Ran
 
 #: Share of the steps that may take longer than 33 ms.
 _LATE = 0.1
+#: Endings of figures, which can be drawn again from data.
+_PICTURES = (".png", ".jpg", ".jpeg", ".gif", ".svg", ".pdf", ".tiff", ".bmp")
 _FATAL = ("crashed", "exited", "memory", "hung", "died")
 
 
@@ -28,6 +30,7 @@ def judge(
     killed: Ran | None,
     declared: float | None,
     known: Sequence[Finding],
+    counted: bool = False,
 ) -> list[Finding]:
     """Return what the runs say beyond the findings `known` from the source.
 
@@ -45,10 +48,12 @@ def judge(
         Seconds that will be declared at submission.
     known : sequence of Finding
         From the source: an error that only follows from one of these is not told twice.
+    counted : bool
+        Whether the loop counts its steps, so that a run that goes on is long, not endless.
     """
     runs = [ideal, *trials]
     found = [
-        *_endings(ideal.outcome, [t.outcome for t in trials], known),
+        *_endings(ideal.outcome, [t.outcome for t in trials], known, counted),
         *_deeds(runs, known),
     ]
     if ideal.outcome.steps:
@@ -57,8 +62,9 @@ def judge(
         found += _boundary(ideal.outcome, [t.outcome for t in trials])
         found += _actuator(ideal.outcome)
         found += _start(ideal.outcome, drive, known)
-        found += _loop(ideal.outcome)
-        found += _duration(ideal.outcome, declared)
+        if ideal.outcome.ended != "memory":  # to fill memory takes time, too
+            found += _loop(ideal.outcome, known)
+        found += _duration(ideal.outcome, declared, counted)
         found += _data(ideal, interrupted, killed, known)
     elif ideal.outcome.ended == "finished" and not any(
         f.code == "no-finishing-call" for f in known
@@ -88,15 +94,16 @@ def is_explained(error: dict[str, Any], known: Sequence[Finding]) -> bool:
 
 
 def _endings(
-    ideal: Outcome, trials: Sequence[Outcome], known: Sequence[Finding]
+    ideal: Outcome, trials: Sequence[Outcome], known: Sequence[Finding], counted: bool
 ) -> Iterator[Finding]:
     """Tell of crashes, hangs, endless loops."""
     if ideal.ended in _FATAL:
         finding = _ending(ideal, Verdict.FAIL)
-        if finding and not is_explained(ideal.error, known):
+        waits = ideal.ended == "hung" and any(f.code == "blocking-call" for f in known)
+        if finding and not waits and not is_explained(ideal.error, known):
             yield finding
         return
-    if ideal.ended == "over-time":
+    if ideal.ended == "over-time" and not counted:
         yield Finding(
             "endless",
             Verdict.RISK,
@@ -141,6 +148,18 @@ def _ending(
         return Finding("unreachable-start", verdict, what, advice, **settings)
     if "WrongGenerationError" in kinds:
         return Finding("generation", verdict, what, "use the name it gives", **settings)
+    module = error.get("module") or "."
+    if testbed.is_available(module):  # that is, only this machine lacks it
+        distribution = testbed.IMPORT_NAMES.get(module)
+        return Finding(
+            "internal",
+            Verdict.RISK,
+            f"could not be run: the testbed has {module}, but the Python that verifies has not",
+            f"`pip install {distribution}` and verify again"
+            if distribution
+            else "verify again under Python 3.10",
+            **settings,
+        )
     missing = error.get("missing", "")
     if missing:
         ending = not missing.lower().endswith(tuple(testbed.ENDINGS))
@@ -219,6 +238,8 @@ def _collisions(ideal: Outcome, trials: Sequence[Outcome]) -> Iterator[Finding]:
         "keep centres at least 0.15 m apart: use a barrier certificate, with a larger safety radius"
     )
     first = _first(ideal, "collision")
+    if first and _starts_in_collision(ideal):
+        return  # told of as a start
     if first:
         yield Finding(
             "collision",
@@ -301,17 +322,21 @@ def _actuator(ideal: Outcome) -> Iterator[Finding]:
 
 def _start(ideal: Outcome, drive: Outcome | None, known: Sequence[Finding]) -> Iterator[Finding]:
     gap = ideal.initial_gap
+    colliding = _starts_in_collision(ideal)
     if gap and gap["metres"] < testbed.SPACING:
         yield Finding(
             "close-start",
-            Verdict.RISK,
-            f"initial conditions place two robots {100 * gap['metres']:.1f} cm apart",
+            Verdict.FAIL if colliding else Verdict.RISK,
+            f"initial conditions place two robots {100 * gap['metres']:.1f} cm apart"
+            + (": they begin in a collision, and cannot be driven there" if colliding else ""),
             f"keep centres at least {testbed.SPACING} m apart",
             time=0.0,
             robots=tuple(gap["robots"]),
             figure=gap["metres"],
             unit="m",
         )
+    if colliding:
+        return
     if drive is not None and drive.ended == "crashed" and not is_explained(drive.error, known):
         yield Finding(
             "unreachable-start",
@@ -323,9 +348,19 @@ def _start(ideal: Outcome, drive: Outcome | None, known: Sequence[Finding]) -> I
         )
 
 
-def _loop(ideal: Outcome) -> Iterator[Finding]:
+def _starts_in_collision(ideal: Outcome) -> bool:
+    """Whether the initial conditions themselves are the first collision."""
+    first = _first(ideal, "collision")
+    gap = ideal.initial_gap.get("metres", testbed.SPACING)
+    return first is not None and first["time"] == 0.0 and gap < testbed.SPACING
+
+
+def _loop(ideal: Outcome, known: Sequence[Finding]) -> Iterator[Finding]:
     loop = ideal.loop
-    if loop and loop["late"] > _LATE:
+    # A sleep that the source shows is not told twice; what the loop takes besides is.
+    slept = [f.figure or 0.0 for f in known if f.code in ("slow-sleep", "watchdog")]
+    asleep = max(slept, default=0.0)
+    if loop and loop["late"] > _LATE and not (slept and loop["p99"] - asleep <= testbed.TIME_STEP):
         yield Finding(
             "slow-loop",
             Verdict.RISK,
@@ -337,7 +372,7 @@ def _loop(ideal: Outcome) -> Iterator[Finding]:
             figure=1000 * loop["p99"],
             unit="ms",
         )
-    if loop and loop["max"] >= testbed.WATCHDOG:
+    if loop and loop["max"] - asleep >= testbed.WATCHDOG:
         yield Finding(
             "watchdog",
             Verdict.RISK,
@@ -361,15 +396,26 @@ def _loop(ideal: Outcome) -> Iterator[Finding]:
         )
 
 
-def _duration(ideal: Outcome, declared: float | None) -> Iterator[Finding]:
-    if ideal.ended == "over-time":
-        return
+def _duration(ideal: Outcome, declared: float | None, counted: bool) -> Iterator[Finding]:
     least, median, most = testbed.INITIAL_DRIVE
     allowed = min(declared or testbed.MAX_DURATION, testbed.MAX_DURATION)
+    of = f"the {allowed:.0f} s that {'are declared' if declared else 'any experiment has'}"
     run = ideal.clock
+    if ideal.ended == "over-time":
+        if counted:
+            yield Finding(
+                "duration",
+                Verdict.FAIL,
+                f"has steps left after {run:.0f} s, without the drive to the initial conditions:"
+                f" it does not fit {of}",
+                "declare more, or take fewer steps" if declared else "take fewer steps",
+                time=run,
+                figure=run + median,
+                unit="s",
+            )
+        return
     if run + most <= allowed:
         return
-    of = f"the {allowed:.0f} s that {'are declared' if declared else 'any experiment has'}"
     certain = run + least > allowed
     yield Finding(
         "duration",
@@ -408,12 +454,14 @@ def _data(
     kept = _kept(ideal, interrupted)
     lost = [name for name in written if name not in kept]
     t = interrupted.outcome.time
-    if not kept:
+    # Files that half a run leaves as a whole one does hold none of its data.
+    recorded = [n for n in kept if ideal.data[n].digest != interrupted.data[n].digest]
+    if not kept or (not recorded and any(not n.lower().endswith(_PICTURES) for n in lost)):
         if not any(finding.code == "save-at-end" for finding in known):
             yield Finding(
                 "data-lost",
                 Verdict.RISK,
-                f"interrupted at t = {t:.0f} s, it left nothing of {', '.join(written)}",
+                f"interrupted at t = {t:.0f} s, it left nothing of {', '.join(lost)}",
                 "write during the loop, or in `try: … finally:` around it",
                 time=t,
                 figure=float(len(lost)),

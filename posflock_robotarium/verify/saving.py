@@ -7,9 +7,10 @@ A write is early when it happens while the robots drive, or in a place that stil
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from pathlib import PurePath
 
-from posflock_robotarium.verify.files import catches, writes
+from posflock_robotarium.verify.files import catches, path_written, writes
 from posflock_robotarium.verify.findings import Finding, Verdict
 from posflock_robotarium.verify.source import Source, is_call_to, stepping_functions
 
@@ -18,8 +19,10 @@ def check_saving(source: Source) -> Iterator[Finding]:
     """Look for data that would be lost if the run were ended from outside."""
     if not source.stepping_loops:
         return
-    last = max(loop.end_lineno or loop.lineno for loop in source.stepping_loops)
-    written = [call for call in source.calls if writes(source, call)]
+    last = max(statement.end_lineno or statement.lineno for statement in _driving(source))
+    written = [
+        call for call in source.calls if writes(source, call) and not _is_elsewhere(source, call)
+    ]
     safe = _safe_places(source)
     early = [call for call in written if call in safe or _is_during(source, call)]
     late = [call for call in written if call not in early and call.lineno > last]
@@ -42,6 +45,17 @@ def check_saving(source: Source) -> Iterator[Finding]:
         )
 
 
+def _driving(source: Source) -> list[ast.stmt]:
+    """Return what runs while the robots drive: the bodies of the loops, without their ``else``."""
+    return [statement for loop in source.stepping_loops for statement in loop.body]
+
+
+def _is_elsewhere(source: Source, call: ast.Call) -> bool:
+    """Whether a write goes outside the working folder: the runs tell of that."""
+    path = path_written(source, call)
+    return path is not None and (PurePath(path).is_absolute() or ".." in PurePath(path).parts)
+
+
 def _safe_places(source: Source) -> set[ast.AST]:
     """Everything that still runs when a KeyboardInterrupt ends a stepping loop."""
     found: set[ast.AST] = set()
@@ -49,7 +63,7 @@ def _safe_places(source: Source) -> set[ast.AST]:
     stepping = stepping_functions(source.tree)
     for node in ast.walk(source.tree):
         if isinstance(node, ast.Try) and any(
-            inner in loops or is_call_to(inner, stepping)
+            inner in loops or is_call_to(inner, stepping, source.owners)
             for statement in node.body
             for inner in ast.walk(statement)
         ):
@@ -62,6 +76,7 @@ def _safe_places(source: Source) -> set[ast.AST]:
             if caught:  # what follows such a try runs as well
                 found |= _after(source.tree, node)
     called = {node.id for node in found if isinstance(node, ast.Name)}
+    called |= _reached(source, found)
     called |= {
         argument.id
         for call in source.calls
@@ -87,9 +102,9 @@ def _catches_interrupt(handler: ast.ExceptHandler) -> bool:
 
 def _is_during(source: Source, call: ast.Call) -> bool:
     """Whether a write happens while the robots drive, or before."""
-    loops = source.stepping_loops
-    first = min(loop.lineno for loop in loops)
-    if any(call in set(ast.walk(loop)) for loop in loops):
+    first = min(loop.lineno for loop in source.stepping_loops)
+    driving = {node for statement in _driving(source) for node in ast.walk(statement)}
+    if call in driving:
         return True
     function = _function_of(source.tree, call)
     if function is None:
@@ -97,7 +112,24 @@ def _is_during(source: Source, call: ast.Call) -> bool:
     stepping = stepping_functions(source.tree)
     if function.name in stepping:
         return call.lineno < first
-    return any(is_call_to(inner, {function.name}) for loop in loops for inner in ast.walk(loop))
+    return function.name in _reached(source, driving)
+
+
+def _reached(source: Source, nodes: Iterable[ast.AST]) -> set[str]:
+    """Names of the script's functions that these nodes call, directly or through others."""
+    functions = [node for node in ast.walk(source.tree) if isinstance(node, ast.FunctionDef)]
+    reached: set[str] = set()
+    waiting = list(nodes)
+    while waiting:
+        found = [
+            function
+            for function in functions
+            if function.name not in reached
+            and any(is_call_to(node, {function.name}, source.owners) for node in waiting)
+        ]
+        reached |= {function.name for function in found}
+        waiting = [node for function in found for node in ast.walk(function)]
+    return reached
 
 
 def _only_called_after(source: Source, call: ast.Call, last: int) -> bool:
@@ -107,7 +139,7 @@ def _only_called_after(source: Source, call: ast.Call, last: int) -> bool:
     uses = [
         node
         for node in ast.walk(source.tree)
-        if is_call_to(node, {function.name}) and node not in set(ast.walk(function))
+        if is_call_to(node, {function.name}, source.owners) and node not in set(ast.walk(function))
     ]
     return bool(uses) and all(getattr(use, "lineno", 0) > last for use in uses)
 

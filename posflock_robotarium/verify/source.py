@@ -44,6 +44,7 @@ class Source:
     def aliases(self) -> dict[str, str]:
         """What each imported name stands for, as a dotted path."""
         found: dict[str, str] = {}
+        starred: set[str] = set()
         for node in ast.walk(self.tree):
             if isinstance(node, ast.Import):
                 for alias in node.names:
@@ -52,11 +53,17 @@ class Source:
             elif isinstance(node, ast.ImportFrom) and not node.level:
                 for alias in node.names:
                     found[alias.asname or alias.name] = f"{node.module}.{alias.name}"
+                    starred |= {node.module or ""} if alias.name == "*" else set()
         # rps's modules hand these on to whoever takes a star from them.
-        if any(name.endswith(".*") and name.startswith("rps.") for name in found.values()):
+        if any(module.startswith("rps.") for module in starred):
             found.setdefault("np", "numpy")
             found.setdefault("plt", "matplotlib.pyplot")
             found.setdefault("time", "time")
+        if starred & {"matplotlib.pyplot", "pylab"}:
+            for name in ("show", "ginput", "waitforbuttonpress", "savefig"):
+                found.setdefault(name, f"matplotlib.pyplot.{name}")
+        if "time" in starred:
+            found.setdefault("sleep", "time.sleep")
         return found
 
     @cached_property
@@ -82,14 +89,20 @@ class Source:
         return sorted(found, key=lambda call: (call.lineno, call.col_offset))
 
     @cached_property
+    def owners(self) -> frozenset[str]:
+        """Names before the dot of a call to one of the script's own methods."""
+        return owners(self.tree)
+
+    @cached_property
     def stepping_loops(self) -> list[ast.For | ast.While]:
         """Outermost loops that drive the robots: that step, or call a function that does."""
         stepping = stepping_functions(self.tree)
+        owners = self.owners
         found: list[ast.For | ast.While] = []
 
         def look(node: ast.AST) -> None:
             for child in ast.iter_child_nodes(node):
-                if isinstance(child, (ast.For, ast.While)) and _steps(child, stepping):
+                if isinstance(child, (ast.For, ast.While)) and _steps(child, stepping, owners):
                     found.append(child)
                 else:
                     look(child)
@@ -97,21 +110,62 @@ class Source:
         look(self.tree)
         return found
 
+    @cached_property
+    def counts_its_steps(self) -> bool:
+        """Whether every loop that drives the robots ends after a number of steps."""
+        loops = self.stepping_loops
+        return bool(loops) and all(_is_counted(loop, self) for loop in loops)
+
+
+def _is_counted(loop: ast.For | ast.While, source: Source) -> bool:
+    """Whether a loop counts its steps: over a range, or in a variable that its test compares."""
+    if isinstance(loop, ast.For):
+        endless = ("itertools.count", "itertools.cycle", "itertools.repeat", "iter")
+        return not any(
+            isinstance(node, ast.Call) and source.called(node) in endless
+            for node in ast.walk(loop.iter)
+        )
+    counted = {
+        node.target.id
+        for node in ast.walk(loop)
+        if isinstance(node, ast.AugAssign) and isinstance(node.target, ast.Name)
+    }
+    return isinstance(loop.test, ast.Compare) and any(
+        isinstance(node, ast.Name) and node.id in counted for node in ast.walk(loop.test)
+    )
+
+
+def owners(tree: ast.Module) -> frozenset[str]:
+    """Return ``self``, the script's classes, and the names that an object of one is bound to."""
+    classes = {node.name for node in ast.walk(tree) if isinstance(node, ast.ClassDef)}
+    bound: set[str] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Assign):
+            value, targets = node.value, node.targets
+        elif isinstance(node, ast.withitem) and node.optional_vars is not None:
+            value, targets = node.context_expr, [node.optional_vars]
+        else:
+            continue
+        if isinstance(value, ast.Call) and getattr(value.func, "id", "") in classes:
+            bound |= {target.id for target in targets if isinstance(target, ast.Name)}
+    return frozenset({"self"} | classes | bound)
+
 
 def stepping_functions(tree: ast.Module) -> set[str]:
     """Names of functions of the script that step, directly or through another."""
     functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+    known = owners(tree)
     stepping: set[str] = set()
     while True:
-        found = {f.name for f in functions if _steps(f, stepping)}
+        found = {f.name for f in functions if _steps(f, stepping, known)}
         if found == stepping:
             return stepping
         stepping = found
 
 
-def _steps(node: ast.AST, stepping: set[str]) -> bool:
+def _steps(node: ast.AST, stepping: set[str], known: frozenset[str]) -> bool:
     return any(
-        is_call_to(inner, stepping)
+        is_call_to(inner, stepping, known)
         or (
             isinstance(inner, ast.Call)
             and isinstance(inner.func, ast.Attribute)
@@ -123,16 +177,14 @@ def _steps(node: ast.AST, stepping: set[str]) -> bool:
     )
 
 
-def is_call_to(node: ast.AST, names: set[str]) -> bool:
-    """Whether a node calls a function of one of these names, or a method of ``self``."""
+def is_call_to(node: ast.AST, names: set[str], known: frozenset[str]) -> bool:
+    """Whether a node calls a function of one of these names, or a method of a known owner."""
     if not isinstance(node, ast.Call):
         return False
     func = node.func
     if isinstance(func, ast.Name):
         return func.id in names
-    return (
-        isinstance(func, ast.Attribute)
-        and isinstance(func.value, ast.Name)
-        and func.value.id == "self"
-        and func.attr in names
-    )
+    if not isinstance(func, ast.Attribute) or func.attr not in names:
+        return False
+    owner = func.value.func if isinstance(func.value, ast.Call) else func.value
+    return isinstance(owner, ast.Name) and owner.id in known

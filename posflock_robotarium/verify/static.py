@@ -125,13 +125,15 @@ def check_imports(source: Source) -> Iterator[Finding]:
                 line=local.line,
                 file=_file(source, local.wanted_by),
             )
-    if trace.locals and not any(testbed.shadowed_by(local.name) for local in trace.locals):
-        first = trace.locals[0]
-        names = sorted({local.name.partition(".")[0] for local in trace.locals})
+    newer = testbed.NEWER_MODULES  # this Python's own are no files of the user's
+    wanted = [local for local in trace.locals if local.name.partition(".")[0] not in newer]
+    if wanted and not any(testbed.shadowed_by(local.name) for local in wanted):
+        first = wanted[0]
+        names = sorted({local.name.partition(".")[0] for local in wanted})
         yield Finding(
             "local-module",
             Verdict.NOTE,
-            f"{len(trace.locals)} local file{'s' * (len(trace.locals) > 1)} must be uploaded with"
+            f"{len(wanted)} local file{'s' * (len(wanted) > 1)} must be uploaded with"
             f" it: {', '.join(names)}",
             f"`posflock bundle {source.path.name} -o upload` lays them flat",
             line=first.line,
@@ -266,7 +268,7 @@ def check_blocking(source: Source) -> Iterator[Finding]:
             if isinstance(seconds, (int, float)) and seconds > testbed.TIME_STEP:
                 long = seconds >= testbed.WATCHDOG
                 yield Finding(
-                    "slow-sleep",
+                    "watchdog" if long else "slow-sleep",
                     Verdict.RISK,
                     f"sleeps {seconds:g} s in its loop, longer than a step of"
                     f" {testbed.TIME_STEP} s"

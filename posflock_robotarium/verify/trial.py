@@ -380,6 +380,7 @@ def _error(error: BaseException, scratch: str) -> dict[str, Any]:
         "kinds": [kind.__name__ for kind in type(error).__mro__],
         "message": str(error).replace(scratch + os.sep, "")[:500],
         "missing": _missing_file(error, scratch),
+        "module": error.name if isinstance(error, ModuleNotFoundError) else None,
         "line": line,
         "file": file,
         "lines": [frame for frame in frames if frame[0]],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import json
 import os
 import shutil
@@ -82,6 +83,7 @@ class Readable:
     size: int
     readable: bool
     values: int
+    digest: str = ""
 
 
 class Nursery:
@@ -250,7 +252,8 @@ def read_back(path: Path) -> Readable:
     """Open a data file as its reader would, and count what is in it."""
     size = path.stat().st_size
     try:
-        return Readable(size, *_content(path))
+        digest = hashlib.sha256(path.read_bytes()).hexdigest()
+        return Readable(size, *_content(path), digest)
     except Exception:
         return Readable(size, False, 0)
 
