@@ -7,12 +7,12 @@ A write is early when it happens while the robots drive, or in a place that stil
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Set
 from pathlib import PurePath
 
 from posflock_robotarium.verify.files import catches, path_written, writes
 from posflock_robotarium.verify.findings import Finding, Verdict
-from posflock_robotarium.verify.source import Source, is_call_to, stepping_functions
+from posflock_robotarium.verify.source import Source, is_call_to
 
 
 def check_saving(source: Source) -> Iterator[Finding]:
@@ -24,7 +24,9 @@ def check_saving(source: Source) -> Iterator[Finding]:
         call for call in source.calls if writes(source, call) and not _is_elsewhere(source, call)
     ]
     safe = _safe_places(source)
-    early = [call for call in written if call in safe or _is_during(source, call)]
+    driving = {node for statement in _driving(source) for node in ast.walk(statement)}
+    reached = _reached(source, driving)
+    early = [call for call in written if call in safe or _is_during(source, call, driving, reached)]
     late = [call for call in written if call not in early and call.lineno > last]
     # Functions of the script count where they are called.
     late += [
@@ -60,10 +62,9 @@ def _safe_places(source: Source) -> set[ast.AST]:
     """Everything that still runs when a KeyboardInterrupt ends a stepping loop."""
     found: set[ast.AST] = set()
     loops = set(source.stepping_loops)
-    stepping = stepping_functions(source.tree)
     for node in ast.walk(source.tree):
         if isinstance(node, ast.Try) and any(
-            inner in loops or is_call_to(inner, stepping, source.owners)
+            inner in loops or is_call_to(inner, source.stepping, source.owners)
             for statement in node.body
             for inner in ast.walk(statement)
         ):
@@ -100,19 +101,17 @@ def _catches_interrupt(handler: ast.ExceptHandler) -> bool:
     return catches(handler, {"KeyboardInterrupt", "BaseException"})
 
 
-def _is_during(source: Source, call: ast.Call) -> bool:
+def _is_during(source: Source, call: ast.Call, driving: Set[ast.AST], reached: Set[str]) -> bool:
     """Whether a write happens while the robots drive, or before."""
     first = min(loop.lineno for loop in source.stepping_loops)
-    driving = {node for statement in _driving(source) for node in ast.walk(statement)}
     if call in driving:
         return True
     function = _function_of(source.tree, call)
     if function is None:
         return call.lineno < first
-    stepping = stepping_functions(source.tree)
-    if function.name in stepping:
+    if function.name in source.stepping:
         return call.lineno < first
-    return function.name in _reached(source, driving)
+    return function.name in reached
 
 
 def _reached(source: Source, nodes: Iterable[ast.AST]) -> set[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from collections.abc import Set
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -91,18 +92,29 @@ class Source:
     @cached_property
     def owners(self) -> frozenset[str]:
         """Names before the dot of a call to one of the script's own methods."""
-        return owners(self.tree)
+        return _owners(self.tree)
+
+    @cached_property
+    def stepping(self) -> frozenset[str]:
+        """Names of functions of the script that step, directly or through another."""
+        functions = [node for node in ast.walk(self.tree) if isinstance(node, ast.FunctionDef)]
+        stepping: frozenset[str] = frozenset()
+        while True:
+            found = frozenset(f.name for f in functions if _steps(f, stepping, self.owners))
+            if found == stepping:
+                return stepping
+            stepping = found
 
     @cached_property
     def stepping_loops(self) -> list[ast.For | ast.While]:
         """Outermost loops that drive the robots: that step, or call a function that does."""
-        stepping = stepping_functions(self.tree)
-        owners = self.owners
         found: list[ast.For | ast.While] = []
 
         def look(node: ast.AST) -> None:
             for child in ast.iter_child_nodes(node):
-                if isinstance(child, (ast.For, ast.While)) and _steps(child, stepping, owners):
+                if isinstance(child, (ast.For, ast.While)) and _steps(
+                    child, self.stepping, self.owners
+                ):
                     found.append(child)
                 else:
                     look(child)
@@ -135,7 +147,7 @@ def _is_counted(loop: ast.For | ast.While, source: Source) -> bool:
     )
 
 
-def owners(tree: ast.Module) -> frozenset[str]:
+def _owners(tree: ast.Module) -> frozenset[str]:
     """Return ``self``, the script's classes, and the names that an object of one is bound to."""
     classes = {node.name for node in ast.walk(tree) if isinstance(node, ast.ClassDef)}
     bound: set[str] = set()
@@ -151,19 +163,7 @@ def owners(tree: ast.Module) -> frozenset[str]:
     return frozenset({"self"} | classes | bound)
 
 
-def stepping_functions(tree: ast.Module) -> set[str]:
-    """Names of functions of the script that step, directly or through another."""
-    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
-    known = owners(tree)
-    stepping: set[str] = set()
-    while True:
-        found = {f.name for f in functions if _steps(f, stepping, known)}
-        if found == stepping:
-            return stepping
-        stepping = found
-
-
-def _steps(node: ast.AST, stepping: set[str], known: frozenset[str]) -> bool:
+def _steps(node: ast.AST, stepping: Set[str], known: frozenset[str]) -> bool:
     return any(
         is_call_to(inner, stepping, known)
         or (
@@ -177,7 +177,7 @@ def _steps(node: ast.AST, stepping: set[str], known: frozenset[str]) -> bool:
     )
 
 
-def is_call_to(node: ast.AST, names: set[str], known: frozenset[str]) -> bool:
+def is_call_to(node: ast.AST, names: Set[str], known: frozenset[str]) -> bool:
     """Whether a node calls a function of one of these names, or a method of a known owner."""
     if not isinstance(node, ast.Call):
         return False
