@@ -13,6 +13,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+from posflock_robotarium import testbed
+
 
 class Verdict(enum.IntEnum):
     """How bad; a note is worth knowing and costs nothing."""
@@ -180,3 +182,25 @@ def wilson_interval(successes: int, trials: int, z: float = 1.959964) -> tuple[f
     low = 0.0 if successes == 0 else centre - half
     high = 1.0 if successes == trials else centre + half
     return max(0.0, low), min(1.0, high)
+
+
+def too_many_robots(number: float, line: int | None = None) -> Finding:
+    """Return the finding that a script asks for more robots than there are.
+
+    Parameters
+    ----------
+    number : float
+        Of robots.
+    line : int, optional
+        Of the source, where it shows the number.
+    """
+    return Finding(
+        "too-many-robots",
+        Verdict.FAIL,
+        f"asks for {number} robots; the testbed has {testbed.MAX_ROBOTS}, though the simulator"
+        " takes 50",
+        f"use at most {testbed.MAX_ROBOTS}",
+        line=line,
+        figure=float(number),
+        unit="robots",
+    )

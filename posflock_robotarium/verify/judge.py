@@ -11,7 +11,13 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from posflock_robotarium import testbed
-from posflock_robotarium.verify.findings import Finding, Verdict, count, wilson_interval
+from posflock_robotarium.verify.findings import (
+    Finding,
+    Verdict,
+    count,
+    too_many_robots,
+    wilson_interval,
+)
 from posflock_robotarium.verify.trial import Outcome
 from posflock_robotarium.verify.trials import Ran
 
@@ -180,15 +186,7 @@ def _robots(ideal: Outcome, known: Sequence[Finding]) -> Iterator[Finding]:
     """Count robots, and look for the end in order, where the source did not show them."""
     told = {finding.code for finding in known}
     if ideal.robots > testbed.MAX_ROBOTS and "too-many-robots" not in told:
-        yield Finding(
-            "too-many-robots",
-            Verdict.FAIL,
-            f"asks for {ideal.robots} robots; the testbed has {testbed.MAX_ROBOTS}, though the"
-            " simulator takes 50",
-            f"use at most {testbed.MAX_ROBOTS}",
-            figure=float(ideal.robots),
-            unit="robots",
-        )
+        yield too_many_robots(ideal.robots)
     if ideal.ended == "finished" and not ideal.finishing_call and "no-finishing-call" not in told:
         right = "debug" if ideal.generation == 2 else "call_at_scripts_end"
         yield Finding(

@@ -17,7 +17,7 @@ from posflock_robotarium import import_graph, testbed
 from posflock_robotarium.verify import generations, newer_python
 from posflock_robotarium.verify.constants import constant
 from posflock_robotarium.verify.files import check_files
-from posflock_robotarium.verify.findings import Finding, Verdict
+from posflock_robotarium.verify.findings import Finding, Verdict, too_many_robots
 from posflock_robotarium.verify.saving import check_saving
 from posflock_robotarium.verify.source import Source
 
@@ -209,16 +209,7 @@ def check_robots(source: Source) -> Iterator[Finding]:
         given = [k.value for k in call.keywords if k.arg == "number_of_robots"] or call.args[:1]
         number = constant(given[0], source.names) if given else None
         if isinstance(number, (int, float)) and number > testbed.MAX_ROBOTS:
-            yield Finding(
-                "too-many-robots",
-                Verdict.FAIL,
-                f"asks for {number} robots; the testbed has {testbed.MAX_ROBOTS}, though the"
-                " simulator takes 50",
-                f"use at most {testbed.MAX_ROBOTS}",
-                line=call.lineno,
-                figure=float(number),
-                unit="robots",
-            )
+            yield too_many_robots(number, call.lineno)
 
 
 def check_finishing(source: Source) -> Iterator[Finding]:
