@@ -21,6 +21,7 @@ import numpy as np
 
 from rps_compat.arena import Arena, Array, RobotModel
 from rps_compat.errors import InitialConditionsError, UnreachableError
+from rps_compat.kinematics import wrap
 from rps_compat.placement import CrowdedError
 
 #: How near the drive brings every robot, as the published simulator: metres and radians.
@@ -180,7 +181,7 @@ def near(targets: Array, robot: RobotModel, rng: np.random.Generator) -> Array:
         poses = targets + np.stack([reach * np.cos(course), reach * np.sin(course), turn])
         poses[0] = np.clip(poses[0], robot.boundaries[0], robot.boundaries[1])
         poses[1] = np.clip(poses[1], robot.boundaries[2], robot.boundaries[3])
-        poses[2] = np.arctan2(np.sin(poses[2]), np.cos(poses[2]))
+        poses[2] = wrap(poses[2])
         if robots < 2 or _nearest_pair(poses, robot.collision_offset)[0] > robot.collision_diameter:
             return poses
     return np.array(targets)
@@ -241,9 +242,7 @@ class Drive:
         return errors
 
     def _turns(self, poses: Array) -> Array:
-        turn = self._targets[2] - poses[2]
-        turns: Array = np.arctan2(np.sin(turn), np.cos(turn))
-        return turns
+        return wrap(self._targets[2] - poses[2])
 
     def commands(self, poses: Array) -> Array:
         """Velocities (2, N) for robots at `poses` (3, N), certified."""

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rps_compat.draws import FLAT, Curve, Draw, require
+from rps_compat.kinematics import wrap
 
 Array = NDArray[np.float64]
 #: Takes poses (3, N) and true forward speeds (N,); gives the poses (3, N) handed on.
@@ -45,7 +46,7 @@ class HeadingOffset:
 
         def skew(poses: Array, speeds: Array) -> Array:
             out: Array = poses.copy()
-            out[2] = _wrapped(out[2] + offset)
+            out[2] = wrap(out[2] + offset)
             return out
 
         return skew
@@ -85,7 +86,7 @@ class TrackingJitter:
             out = np.empty_like(poses)
             out[0] = poses[0] + cosine * along - sine * lateral
             out[1] = poses[1] + sine * along + cosine * lateral
-            out[2] = _wrapped(poses[2] + self.heading * heading)
+            out[2] = wrap(poses[2] + self.heading * heading)
             return out
 
         return jitter
@@ -132,7 +133,3 @@ class TrackingDropout:
             return out
 
         return drop
-
-
-def _wrapped(angles: Array) -> Array:
-    return np.arctan2(np.sin(angles), np.cos(angles))

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from posflock_robotarium.errors import LogError
 from posflock_robotarium.poselog import Log
+from rps_compat.kinematics import wrap
 
 Floats = NDArray[np.float64]
 #: Rows below which nothing sensible can be fitted.
@@ -50,17 +51,11 @@ def increments_of(log: Log, offsets: Floats) -> Increments:
                 f"robots {np.flatnonzero(still).tolist()} were never commanded another {what}:"
                 " nothing can be learnt about how they follow it"
             )
-    turn = wrapped(np.diff(log.poses[:, 2], axis=0))
+    turn = wrap(np.diff(log.poses[:, 2], axis=0))
     heading = log.poses[:-1, 2] + turn / 2 - offsets
     moved = np.diff(log.poses[:, :2], axis=0)
     along = moved[:, 0] * np.cos(heading) + moved[:, 1] * np.sin(heading)
     return Increments(along, turn, log.commands[:-1])
-
-
-def wrapped(angles: Floats) -> Floats:
-    """Return the same angles in (−π, π]."""
-    out: Floats = np.arctan2(np.sin(angles), np.cos(angles))
-    return out
 
 
 def delayed(commands: Floats, dead_time: float, lag: float, time_step: float) -> Floats:

@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from posflock_robotarium.calibration.estimate import Estimate, Z
-from posflock_robotarium.calibration.increments import wrapped
 from posflock_robotarium.poselog import Log
+from rps_compat.kinematics import wrap
 
 
 def heading_offsets(log: Log) -> tuple[Estimate, ...]:
@@ -47,7 +47,7 @@ def lateral_jitter(log: Log) -> Estimate:
     """
     second = np.diff(log.poses[:, :2], n=2, axis=0)
     theta = log.poses[1:-1, 2]
-    turn = wrapped(log.poses[2:, 2] - log.poses[:-2, 2]) / 2
+    turn = wrap(log.poses[2:, 2] - log.poses[:-2, 2]) / 2
     moved = np.linalg.norm(log.poses[2:, :2] - log.poses[:-2, :2], axis=1) / 2
     across = -second[:, 0] * np.sin(theta) + second[:, 1] * np.cos(theta) - moved * turn
     variance = np.square(across) / 6
