@@ -1,13 +1,31 @@
-"""Safety filters for teams of mobile robots, as small exact quadratic programs.
+"""Control barrier function (CBF) safety filters for teams of mobile robots, as small exact QPs.
+
+Some function h of where robots are says whether they are safe: ``h ≥ 0``. For two robots that have
+to stay r apart, ``h = ‖xᵢ − xⱼ‖² − r²``; for a wall, the distance to it less a margin. Such an h is
+a *control barrier function* when velocities can always be chosen with ``ḣ ≥ −γ h³``: far from the
+limit robots may close in quickly, near it ever more slowly, and h never turns negative. Because
+``ḣ`` is linear in the velocities, each such condition is one linear *row* ``a·v ≤ b``, and so is
+each limit of the motors. The safe velocities nearest to the desired ones are the solution of a
+quadratic program (QP): ``min ‖v − v̂‖²`` over all rows of the team. That program is solved exactly,
+in a fraction of a millisecond for nine robots.
 
 From the outside in:
 
-- ``single_integrator``, ``unicycle``: the certificates; ``certificate``: what they share;
-- ``rows``: what must hold, in the families ``pairs``, ``walls``, ``obstacles`` and ``limits``;
-  ``rowbook``: all of it for a team; ``disturbance``: wheels that do not do quite as they are told;
-- ``projection``: the nearest velocity that satisfies the rows, and policies where there is none;
-  ``active_set``: the guess that answers most steps; ``solvers``, ``solve_*``: who answers the rest;
-- ``deadlock``: robots that are safe but stuck; ``guarantee``: what holds in steps, what voids it.
+- `single_integrator`, `unicycle`: the certificates, to be called once a step; `certificate`: what
+  both are given and remember; `differential_drive`: what the motors of a unicycle can do;
+- `projection`: the nearest velocity that satisfies the rows, and what is done where there is none;
+- `solvers`: who solves a small program, one module a solver;
+- `rows`: what must hold: pairs, walls, obstacles, limits, and how a team's rows lie in arrays;
+- `deadlock`: robots that are safe but stuck; `guarantee`: what holds in steps, and what voids it;
+- `certificate_errors`: what is raised, under one root; `checks`: who raises most of it.
 
-Nothing here knows the Robotarium or a flock. numpy and scipy suffice; other solvers are optional.
+Public are these modules and packages, with the names that their ``__all__`` lists; names with an
+underscore are nobody else's business. Nothing here knows the Robotarium or a flock. numpy and scipy
+suffice; other solvers are optional.
+
+References
+----------
+Wang, Ames and Egerstedt, Safety barrier certificates for collisions-free multirobot systems, IEEE
+Transactions on Robotics 33 (2017); Ames et al., Control barrier functions: theory and applications,
+European Control Conference (2019).
 """

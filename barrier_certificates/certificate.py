@@ -1,31 +1,48 @@
-"""What the certificates have in common: parameters, memory, and the way from command to answer."""
+"""What every certificate is given and remembers, and the way from command to answer."""
 
 from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, Generic, TypeVar
+from dataclasses import KW_ONLY, dataclass, field
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from barrier_certificates import checks
+from barrier_certificates.array_types import FloatArray
 from barrier_certificates.certificate_errors import ParameterError
 from barrier_certificates.deadlock import DeadlockMonitor, DeadlockParameters, tilt
-from barrier_certificates.disturbance import WheelDisturbance
-from barrier_certificates.limits import LimitRows
-from barrier_certificates.obstacles import Obstacle, ObstacleRows, listed
-from barrier_certificates.pairs import PairRows
 from barrier_certificates.projection import Policy, ProjectionInfo, Projector
-from barrier_certificates.rowbook import Margin, RowBook
-from barrier_certificates.rows import Family, FloatArray, Rows, Scene
-from barrier_certificates.walls import WallRows, polygon, rectangle
+from barrier_certificates.projection.projector import largest_speed
+from barrier_certificates.rows import (
+    LimitRows,
+    Margin,
+    Obstacle,
+    ObstacleRows,
+    PairRows,
+    RowBook,
+    Rows,
+    Scene,
+    WallRows,
+    WheelDisturbance,
+    polygon,
+    rectangle,
+)
+from barrier_certificates.rows.obstacles import listed
+
+__all__ = ["Certificate"]
 
 
 @dataclass(frozen=True)
-class SafetyParameters:
-    """What is kept apart from what, and how firmly.
+class Certificate(ABC):
+    """What is kept apart from what, how firmly, and how that is solved.
+
+    A certificate is its parameters, and does not change; `dataclasses.replace` makes another one.
+    Besides, it remembers which rows bound last time, which makes the next step faster but never
+    changes its result, and for how long robots have been held, where it watches for that.
 
     Parameters
     ----------
@@ -41,61 +58,10 @@ class SafetyParameters:
         How far inside the walls positions stay, m; half the safety radius if None.
     obstacle_margin : float, optional
         How far from the surface of obstacles positions stay, m; half the safety radius if None.
-    """
-
-    safety_radius: float = 0.15
-    barrier_gain: float = 100.0
-    unsafe_gain: float | None = None
-    boundary: Any = None
-    wall_margin: float | None = None
-    obstacle_margin: float | None = None
-
-    def __post_init__(self) -> None:
-        checks.positive("safety_radius", self.safety_radius, "of metres")
-        checks.not_negative("barrier_gain", self.barrier_gain)
-        for name in ("unsafe_gain", "wall_margin", "obstacle_margin"):
-            if getattr(self, name) is not None:
-                checks.not_negative(name, getattr(self, name))
-        if self.boundary is not None:
-            object.__setattr__(self, "boundary", _boundary(self.boundary))
-            self.walls()
-
-    def walls(self) -> tuple[FloatArray, FloatArray, tuple[str, ...]] | None:
-        """Return normals, offsets and names of the walls, if there is a boundary."""
-        if self.boundary is None:
-            return None
-        return rectangle(self.boundary) if len(self.boundary) == 4 else polygon(self.boundary)
-
-
-def _boundary(boundary: Any) -> tuple[Any, ...]:
-    """Return a boundary as nested tuples of floats, so that parameters stay comparable."""
-    try:
-        points = np.asarray(boundary, dtype=float)
-    except (TypeError, ValueError):
-        points = np.array(np.nan)
-    if points.shape[:1] == (2,) and points.ndim == 2 and np.all(np.isfinite(points)):
-        return tuple(tuple(float(c) for c in row) for row in points)
-    flat = points.reshape(-1)
-    if flat.shape == (4,) and flat[0] < flat[1] and flat[2] < flat[3]:
-        return tuple(float(b) for b in flat)
-    raise ParameterError(
-        f"boundary is {boundary!r}; expected (x_min, x_max, y_min, y_max) or the (2, W) corners of "
-        "a convex polygon, in metres"
-    )
-
-
-Parameters = TypeVar("Parameters", bound=SafetyParameters)
-
-
-class Certificate(ABC, Generic[Parameters]):
-    """A certificate that remembers: rows in arrays of its own, and which of them bound last time.
-
-    Parameters
-    ----------
-    parameters : SafetyParameters
-        What the certificate keeps.
     obstacles : sequence of Disc or Segment
-        What robots stay away from.
+        What robots stay away from; a call may say where they are by then.
+    limits : LimitRows, optional
+        What the motors can do, as rows of your own, instead of the limits that have names.
     solver, on_infeasible, options
         See `barrier_certificates.projection.Projector`.
     deadlock : DeadlockParameters, optional
@@ -103,119 +69,192 @@ class Certificate(ABC, Generic[Parameters]):
     tilt : float
         Turn the commands of stuck robots by this angle (rad) before they are certified, until they
         are free again; zero leaves them stuck.
+    checked : bool
+        Whether numbers that make no sense, such as a negative gain, are refused. Only who has to
+        take any number, as the Robotarium's published functions do, leaves them unchecked.
+
+    Raises
+    ------
+    ParameterError
+        If a parameter makes no sense; the message names it.
+    SolverNotInstalledError
+        If the solver asked for by name is not installed.
     """
 
-    def __init__(
-        self,
-        parameters: Parameters,
-        obstacles: Sequence[Obstacle] = (),
-        solver: str = "auto",
-        on_infeasible: Policy = "relax",
-        options: Mapping[str, float] | None = None,
-        deadlock: DeadlockParameters | None = None,
-        tilt: float = 0.0,
-    ) -> None:
-        checks.angle("tilt", tilt)
-        if not (deadlock is None or isinstance(deadlock, DeadlockParameters)):
-            raise ParameterError(f"deadlock is {deadlock!r}; expected DeadlockParameters or None")
-        self._projector = Projector(solver, on_infeasible, options)
-        self._tilt = tilt
-        if tilt and deadlock is None:
-            deadlock = DeadlockParameters()
-        self._monitor = None if deadlock is None else DeadlockMonitor(deadlock)
-        self._obstacles = listed(obstacles)
-        self._parameters = parameters
-        self._build()
+    safety_radius: float = 0.15
+    barrier_gain: float = 100.0
+    _: KW_ONLY
+    unsafe_gain: float | None = None
+    boundary: Any = None
+    wall_margin: float | None = None
+    obstacle_margin: float | None = None
+    obstacles: Sequence[Obstacle] = ()
+    limits: LimitRows | None = None
+    solver: str = "auto"
+    on_infeasible: Policy = "relax"
+    options: Mapping[str, float] | None = field(default=None, hash=False)
+    deadlock: DeadlockParameters | None = None
+    tilt: float = 0.0
+    checked: bool = True
 
-    @property
-    def parameters(self) -> Parameters:
-        """What the certificate keeps; assign a changed copy (`dataclasses.replace`)."""
-        return self._parameters
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "obstacles", listed(self.obstacles))
+        if self.boundary is not None:
+            object.__setattr__(self, "boundary", _boundary(self.boundary))
+        if self.checked:
+            self.check()
+        self.reset()
 
-    @parameters.setter
-    def parameters(self, parameters: Parameters) -> None:
-        if type(parameters) is not type(self._parameters):
+    def check(self) -> None:
+        """Refuse parameters that make no sense."""
+        checks.positive("safety_radius", self.safety_radius, "of metres")
+        checks.not_negative("barrier_gain", self.barrier_gain)
+        for name in ("unsafe_gain", "wall_margin", "obstacle_margin"):
+            if getattr(self, name) is not None:
+                checks.not_negative(name, getattr(self, name))
+        checks.angle("tilt", self.tilt)
+        if not (self.deadlock is None or isinstance(self.deadlock, DeadlockParameters)):
             raise ParameterError(
-                f"parameters are {type(parameters).__name__}; "
-                f"expected {type(self._parameters).__name__}"
+                f"deadlock is {self.deadlock!r}; expected DeadlockParameters or None"
             )
-        self._parameters = parameters
-        self._build()
-
-    @property
-    def obstacles(self) -> tuple[Obstacle, ...]:
-        """What robots stay away from; assign the obstacles of this step to move them."""
-        return self._obstacles
-
-    @obstacles.setter
-    def obstacles(self, obstacles: Sequence[Obstacle]) -> None:
-        moved = listed(obstacles)
-        if self._obstacle_rows is not None and len(moved) == len(self._obstacles):
-            self._obstacle_rows.move(moved)
-            self._obstacles = moved
-        else:
-            self._obstacles = moved
-            self._build()
-
-    def _margins(self, scene: Scene, within: float) -> list[Margin]:
-        checks.require_finite("positions", scene.positions)
-        checks.not_negative("within", within, "of metres")
-        return self._book.margins(scene, within)
+        if self.boundary is not None and len(self.boundary) == 4:
+            x_min, x_max, y_min, y_max = self.boundary
+            if not (x_min < x_max and y_min < y_max):
+                raise _no_boundary(self.boundary)
 
     def reset(self) -> None:
         """Forget the steps so far: which rows bound, and for how long robots have been held."""
-        self._projector.reset()
-        if self._monitor is not None:
-            self._monitor.reset()
+        self._memory.reset()
 
     @abstractmethod
-    def _limits(self) -> LimitRows | None:
-        """Return the rows for what the motors can do."""
+    def _motor_limits(self) -> LimitRows | None:
+        """Return the rows for the limits that have names."""
 
     def _disturbance(self) -> WheelDisturbance | None:
         """Return what the wheels may do on their own."""
         return None
 
-    def _build(self) -> None:
-        """Compose the rows from the parameters, and forget the steps so far."""
-        p, limits, disturbance = self._parameters, self._limits(), self._disturbance()
-        families: list[Family] = [] if limits is None else [limits]
-        self._top_speed = math.inf if limits is None else limits.top_speed
-        walls = p.walls()
-        if walls is not None:
-            margin = 0.5 * p.safety_radius if p.wall_margin is None else p.wall_margin
-            families.append(WallRows(*walls, margin, p.barrier_gain, disturbance))
-        self._obstacle_rows = None
-        if self._obstacles:
-            margin = 0.5 * p.safety_radius if p.obstacle_margin is None else p.obstacle_margin
-            self._obstacle_rows = ObstacleRows(self._obstacles, margin, p.barrier_gain, disturbance)
-            families.append(self._obstacle_rows)
-        pairs = PairRows(p.safety_radius, p.barrier_gain, p.unsafe_gain, disturbance)
-        self._book = RowBook(families, pairs, self._top_speed)
-        self.reset()
+    def _wall_rows(self, disturbance: WheelDisturbance | None) -> WallRows | None:
+        """Return the rows for the walls, if there are any."""
+        if self.boundary is None:
+            return None
+        walls = (rectangle if len(self.boundary) == 4 else polygon)(self.boundary)
+        margin = self._half_radius(self.wall_margin)
+        return WallRows(*walls, margin, self.barrier_gain, disturbance)
 
-    def _certify(self, desired: FloatArray, scene: Scene) -> tuple[FloatArray, ProjectionInfo]:
+    def _half_radius(self, margin: float | None) -> float:
+        """Return a margin, by default half the safety radius, m."""
+        return 0.5 * self.safety_radius if margin is None else margin
+
+    @cached_property
+    def _memory(self) -> _Memory:
+        disturbance = self._disturbance()
+        limits = self._motor_limits() if self.limits is None else self.limits
+        walls = self._wall_rows(disturbance)
+        obstacles = ObstacleRows(
+            self.obstacles,
+            self._half_radius(self.obstacle_margin),
+            self.barrier_gain,
+            disturbance,
+        )
+        families = [family for family in (limits, walls, obstacles) if family is not None]
+        pairs = PairRows(self.safety_radius, self.barrier_gain, self.unsafe_gain, disturbance)
+        top_speed = math.inf if limits is None else limits.top_speed
+        deadlock = self.deadlock
+        if deadlock is None and self.tilt:
+            deadlock = DeadlockParameters()
+        return _Memory(
+            RowBook(families, pairs, top_speed),
+            obstacles,
+            Projector(self.solver, self.on_infeasible, self.options),
+            None if deadlock is None else DeadlockMonitor(deadlock),
+        )
+
+    def _refuse(self, desired: FloatArray) -> tuple[FloatArray, ProjectionInfo]:
+        """Stop everybody, since something is not a number."""
+        return self._memory.projector.refuse(desired)
+
+    def _certify(
+        self, desired: FloatArray, scene: Scene, obstacles: Sequence[Obstacle] | None
+    ) -> tuple[FloatArray, ProjectionInfo]:
         """Return the safe velocities (2, N) nearest to the desired ones, and what was done."""
-        rows, barrier = self._book.write(scene)
-        if self._monitor is None:
-            velocity, info = self._projector.project(desired, rows, self._top_speed)
+        memory = self._memory
+        memory.place(self.obstacles if obstacles is None else obstacles)
+        rows, barrier = memory.book.write(scene)
+        if memory.monitor is None:
+            velocity, info = memory.projector.project(desired, rows, memory.book.top_speed)
         else:
-            velocity, info = self._watch(desired, rows)
-        info.smallest_h, info.clearance = barrier
+            velocity, info = self._watch(desired, rows, memory.monitor)
+        info.smallest_h, info.clearance, info.nearest_row = barrier
         return velocity, info
 
-    def _watch(self, desired: FloatArray, rows: Rows) -> tuple[FloatArray, ProjectionInfo]:
+    def _watch(
+        self, desired: FloatArray, rows: Rows, monitor: DeadlockMonitor
+    ) -> tuple[FloatArray, ProjectionInfo]:
         """Certify with an eye on robots that are held, and tilt the commands of stuck ones."""
-        assert self._monitor is not None
         command = desired
-        stuck = self._monitor.stuck(desired.shape[1])
-        if self._tilt and stuck.any():
-            command = np.where(stuck, tilt(desired, self._tilt), desired)
-        velocity, info = self._projector.project(command, rows, self._top_speed)
+        stuck = monitor.stuck(desired.shape[1])
+        if self.tilt and stuck.any():
+            command = np.where(stuck, tilt(desired, self.tilt), desired)
+        velocity, info = self._memory.projector.project(command, rows, self._memory.book.top_speed)
         if command is not desired and info.status == "trivial":
             info.status = "optimal"  # safe as it was tilted, but not what was desired
-        if math.isfinite(info.moved):
-            info.moved = float(np.hypot(*(velocity - desired)).max())
-            self._monitor.watch(desired, command, velocity)
-        info.stuck = np.flatnonzero(self._monitor.stuck(desired.shape[1]))
+        if math.isfinite(info.intervention):
+            info.intervention = largest_speed(velocity - desired)
+            monitor.watch(desired, command, velocity)
+        info.stuck = np.flatnonzero(monitor.stuck(desired.shape[1]))
         return velocity, info
+
+    def _margins(
+        self, scene: Scene, within: float, obstacles: Sequence[Obstacle] | None
+    ) -> list[Margin]:
+        checks.require_finite("positions", scene.positions)
+        checks.not_negative("within", within, "of metres")
+        self._memory.place(self.obstacles if obstacles is None else obstacles)
+        return self._memory.book.margins(scene, within)
+
+
+@dataclass
+class _Memory:
+    """What a certificate keeps from step to step: rows in arrays, who bound, who was held."""
+
+    book: RowBook
+    obstacles: ObstacleRows
+    projector: Projector
+    monitor: DeadlockMonitor | None
+
+    def reset(self) -> None:
+        """Forget who bound and who was held."""
+        self.projector.reset()
+        if self.monitor is not None:
+            self.monitor.reset()
+
+    def place(self, obstacles: Sequence[Obstacle]) -> None:
+        """Put obstacles where they are now."""
+        if obstacles is self.obstacles.obstacles:
+            return
+        number = len(self.obstacles.obstacles)
+        self.obstacles.move(listed(obstacles))
+        if len(self.obstacles.obstacles) != number:
+            self.book.forget()
+            self.projector.reset()
+
+
+def _boundary(boundary: Any) -> tuple[Any, ...]:
+    """Return a boundary as nested tuples of floats, so that certificates can be written down."""
+    try:
+        points = np.asarray(boundary, dtype=float)
+    except (TypeError, ValueError):
+        raise _no_boundary(boundary) from None
+    if points.ndim == 2 and points.shape[0] == 2:
+        return tuple(tuple(float(c) for c in row) for row in points)
+    if points.size == 4:
+        return tuple(float(b) for b in points.reshape(-1))
+    raise _no_boundary(boundary)
+
+
+def _no_boundary(boundary: Any) -> ParameterError:
+    return ParameterError(
+        f"boundary is {boundary!r}; expected (x_min, x_max, y_min, y_max) or the (2, W) corners of "
+        "a convex polygon, in metres"
+    )

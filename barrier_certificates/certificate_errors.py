@@ -1,8 +1,25 @@
-"""What can go wrong with a certificate, each under its own name and all under one."""
+"""The one root of all errors that a caller can mend, and what can go wrong with a certificate."""
+
+__all__ = [
+    "CertificateError",
+    "InfeasibleError",
+    "NotFiniteError",
+    "ParameterError",
+    "PosflockError",
+    "ShapeError",
+    "SolverNotInstalledError",
+]
 
 
-class CertificateError(Exception):
-    """Anything this package raises: the message says what was got and what was expected."""
+class PosflockError(Exception):
+    """Something the caller can mend: the message says what was got and what was expected.
+
+    The root of all errors of this distribution: one ``except PosflockError`` catches them all.
+    """
+
+
+class CertificateError(PosflockError):
+    """Anything that the certificates raise."""
 
 
 class ParameterError(CertificateError, ValueError):

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from barrier_certificates.array_types import FloatArray
 from barrier_certificates.certificate_errors import NotFiniteError, ParameterError, ShapeError
-from barrier_certificates.rows import FloatArray
 
 
 def positive(name: str, value: float, unit: str = "") -> None:

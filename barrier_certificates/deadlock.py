@@ -14,7 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from barrier_certificates import checks
-from barrier_certificates.rows import BoolArray, FloatArray
+from barrier_certificates.array_types import BoolArray, FloatArray
+
+__all__ = ["DeadlockMonitor", "DeadlockParameters", "tilt"]
 
 
 @dataclass(frozen=True)
@@ -28,7 +30,7 @@ class DeadlockParameters:
     patience : float
         A robot is stuck after being held for this long, s.
     held : float
-        A robot is held while its command is moved to below this part of what was desired.
+        A robot is held while it may drive at less than this part of what was desired.
     idle : float
         A robot told to move at less than this is waiting, not stuck, m/s.
     """

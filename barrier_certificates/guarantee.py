@@ -21,6 +21,8 @@ import math
 
 from barrier_certificates import checks
 
+__all__ = ["largest_gain", "largest_wall_gain", "turning_error"]
+
 
 def largest_gain(safety_radius: float, top_speed: float, time_step: float) -> float:
     """Return the largest γ that keeps pairs safe in steps.

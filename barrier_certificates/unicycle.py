@@ -1,10 +1,11 @@
 """Certificates for differential-drive robots, by a point ahead of the axle.
 
-A unicycle cannot move sideways, but the *projection point* q = p + d·e(θ), a distance d ahead of
-the axle, can move in any direction: q̇ = v·e + d·ω·e⊥. The certificate is that of single
-integrators at the projection points, with what the motors can do as rows of the same program, in
-the body frame (see `barrier_certificates.limits`). Because centre and projection point are d apart,
-a radius of r + 2d between projection points keeps centres at least r apart.
+A unicycle cannot move sideways, but a *look-ahead point* q = p + d·e(θ), a distance d ahead of the
+axle, can move in any direction: q̇ = v·e + d·ω·e⊥. (The Robotarium calls it the *projection point*,
+and so do we from here on.) The certificate is that of single integrators at the projection points,
+with what the motors can do as rows of the same program, in the body frame (see
+`barrier_certificates.differential_drive`). Because centre and projection point are d apart, a
+radius of r + 2d between projection points keeps centres at least r apart.
 
 While a robot turns, its projection point moves on an arc: after a step of dt it is d (1 − cos ω dt)
 behind where a straight move would have ended. At 0.55 rad/s and 0.033 s that is 8 micrometres, at
@@ -13,90 +14,50 @@ velocities of projection points as means over the step, and turns them into the 
 the step exactly there: ω = arcsin(dt q̇·e⊥/d)/dt and v = q̇·e + d (1 − cos ω dt)/dt.
 
 Wheels that do not turn quite as they are told are a bounded *disturbance*: given its bound, the
-rows hold for the worst of it (see `barrier_certificates.disturbance`).
+rows hold for the worst of it (see `barrier_certificates.rows.disturbance`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 import numpy as np
 
 from barrier_certificates import checks
-from barrier_certificates.certificate import Certificate, SafetyParameters
-from barrier_certificates.certificate_errors import ParameterError
-from barrier_certificates.deadlock import DeadlockParameters
-from barrier_certificates.disturbance import WheelDisturbance
-from barrier_certificates.limits import LimitRows, unicycle_polygon
-from barrier_certificates.obstacles import Obstacle
-from barrier_certificates.projection import Policy, ProjectionInfo
-from barrier_certificates.rowbook import Margin
-from barrier_certificates.rows import FloatArray, Scene
+from barrier_certificates.array_types import FloatArray
+from barrier_certificates.certificate import Certificate
+from barrier_certificates.differential_drive import DifferentialDrive
+from barrier_certificates.projection import ProjectionInfo
+from barrier_certificates.rows import (
+    LimitRows,
+    Margin,
+    Obstacle,
+    Scene,
+    WallRows,
+    WheelDisturbance,
+)
+
+__all__ = ["UnicycleCertificate"]
 
 
 @dataclass(frozen=True)
-class UnicycleParameters(SafetyParameters):
-    """`SafetyParameters` at the projection points, and what the robots' motors can do.
-
-    Parameters
-    ----------
-    projection_distance : float
-        d, how far ahead of the axle the projection point lies, m.
-    speed_limit, turn_rate_limit, wheel_limit : float or None
-        Largest |v| in m/s, |ω| in rad/s and wheel speed in rad/s; None means no such limit.
-    wheel_radius, base_length : float
-        Radius of the wheels and distance between them, m.
-    wheel_disturbance : float
-        Largest unwanted speed of a wheel, rad/s, that the rows have to survive.
-    time_step : float
-        How long a command is held, s; zero leaves the arc of turning robots out of account.
-    """
-
-    projection_distance: float = 0.05
-    speed_limit: float | None = 0.2
-    turn_rate_limit: float | None = None
-    wheel_limit: float | None = 12.5
-    wheel_radius: float = 0.016
-    base_length: float = 0.105
-    wheel_disturbance: float = 0.0
-    time_step: float = 0.0
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        checks.positive("projection_distance", self.projection_distance, "of metres")
-        checks.positive_or_none("speed_limit", self.speed_limit, "of m/s, or None")
-        checks.positive_or_none("turn_rate_limit", self.turn_rate_limit, "of rad/s, or None")
-        checks.positive_or_none("wheel_limit", self.wheel_limit, "of rad/s, or None")
-        checks.positive("wheel_radius", self.wheel_radius, "of metres")
-        checks.positive("base_length", self.base_length, "of metres")
-        checks.not_negative("wheel_disturbance", self.wheel_disturbance, "of rad/s")
-        checks.not_negative("time_step", self.time_step, "of seconds")
-        if self.time_step and self.turn_rate_limit is None and self.wheel_limit is None:
-            raise ParameterError(
-                "a time step is of no use without a limit on turning; expected turn_rate_limit or "
-                "wheel_limit"
-            )
-
-
-class UnicycleCertificate(Certificate[UnicycleParameters]):
+class UnicycleCertificate(Certificate, DifferentialDrive):
     """The safe commands nearest to the desired ones, for a team of differential-drive robots.
 
-    Call it with unicycle commands, or `project` velocities of the projection points. It remembers
-    which rows bound last time, which makes the next call faster but never changes its result.
+    Call it with unicycle commands, or `project` velocities of the projection points.
 
     Parameters
     ----------
     safety_radius : float
         Smallest distance between projection points, m: the centres' plus 2 d.
-    barrier_gain, unsafe_gain, boundary, wall_margin, obstacle_margin
-        See `barrier_certificates.certificate.SafetyParameters`; all act on the projection points.
-    projection_distance, speed_limit, turn_rate_limit, wheel_limit, wheel_radius, base_length, \
-wheel_disturbance, time_step
-        See `UnicycleParameters`.
-    obstacles, solver, on_infeasible, options, deadlock, tilt
-        See `barrier_certificates.certificate.Certificate`.
+    barrier_gain, …
+        Those of `barrier_certificates.certificate.Certificate`; all act on the projection points.
+    projection_distance, speed_limit, …
+        Those of `barrier_certificates.differential_drive.DifferentialDrive`.
+    robust_walls : bool
+        Whether walls allow for the wheels' disturbance, as pairs and obstacles do.
 
     Examples
     --------
@@ -110,70 +71,27 @@ wheel_disturbance, time_step
     True
     """
 
-    def __init__(
-        self,
-        safety_radius: float = 0.15,
-        barrier_gain: float = 100.0,
-        *,
-        unsafe_gain: float | None = None,
-        boundary: Any = None,
-        wall_margin: float | None = None,
-        obstacle_margin: float | None = None,
-        projection_distance: float = 0.05,
-        speed_limit: float | None = 0.2,
-        turn_rate_limit: float | None = None,
-        wheel_limit: float | None = 12.5,
-        wheel_radius: float = 0.016,
-        base_length: float = 0.105,
-        wheel_disturbance: float = 0.0,
-        time_step: float = 0.0,
-        obstacles: Sequence[Obstacle] = (),
-        solver: str = "auto",
-        on_infeasible: Policy = "relax",
-        options: Mapping[str, float] | None = None,
-        deadlock: DeadlockParameters | None = None,
-        tilt: float = 0.0,
-    ) -> None:
-        parameters = UnicycleParameters(
-            safety_radius=safety_radius,
-            barrier_gain=barrier_gain,
-            unsafe_gain=unsafe_gain,
-            boundary=boundary,
-            wall_margin=wall_margin,
-            obstacle_margin=obstacle_margin,
-            projection_distance=projection_distance,
-            speed_limit=speed_limit,
-            turn_rate_limit=turn_rate_limit,
-            wheel_limit=wheel_limit,
-            wheel_radius=wheel_radius,
-            base_length=base_length,
-            wheel_disturbance=wheel_disturbance,
-            time_step=time_step,
-        )
-        super().__init__(parameters, obstacles, solver, on_infeasible, options, deadlock, tilt)
+    _: KW_ONLY
+    robust_walls: bool = True
 
-    def _limits(self) -> LimitRows | None:
-        p = self._parameters
-        limits = unicycle_polygon(
-            p.projection_distance,
-            p.speed_limit,
-            p.turn_rate_limit,
-            p.wheel_limit,
-            p.wheel_radius,
-            p.base_length,
-            p.time_step,
-        )
+    def check(self) -> None:
+        """Refuse parameters that make no sense."""
+        Certificate.check(self)
+        DifferentialDrive.check(self)
+
+    def _motor_limits(self) -> LimitRows | None:
+        limits = self.polygon()
         return None if limits is None else limits.rows(turning=True)
 
     def _disturbance(self) -> WheelDisturbance | None:
-        p = self._parameters
-        if p.wheel_disturbance == 0.0:
-            return None
-        return WheelDisturbance(
-            p.wheel_disturbance, p.wheel_radius, p.base_length, p.projection_distance
-        )
+        return self.disturbance()
 
-    def project(self, desired: Any, poses: Any) -> tuple[FloatArray, ProjectionInfo]:
+    def _wall_rows(self, disturbance: WheelDisturbance | None) -> WallRows | None:
+        return super()._wall_rows(disturbance if self.robust_walls else None)
+
+    def project(
+        self, desired: Any, poses: Any, obstacles: Sequence[Obstacle] | None = None
+    ) -> tuple[FloatArray, ProjectionInfo]:
         """Return the safe velocities of the projection points nearest to the desired ones.
 
         Parameters
@@ -182,6 +100,8 @@ wheel_disturbance, time_step
             Velocities of the projection points, m/s.
         poses : (3, N) array
             Poses of the robots (not of the projection points), m and rad.
+        obstacles : sequence of Disc or Segment, optional
+            Obstacles as they are now, instead of those of the certificate.
 
         Returns
         -------
@@ -199,10 +119,12 @@ wheel_disturbance, time_step
         """
         desired, poses = checks.team(desired, poses, "poses", 3)
         if not checks.finite(desired, poses):
-            return self._projector.refuse(desired)
-        return self._certify(desired, self._scene(poses))
+            return self._refuse(desired)
+        return self._certify(desired, self._scene(poses), obstacles)
 
-    def __call__(self, desired: Any, poses: Any) -> tuple[FloatArray, ProjectionInfo]:
+    def __call__(
+        self, desired: Any, poses: Any, obstacles: Sequence[Obstacle] | None = None
+    ) -> tuple[FloatArray, ProjectionInfo]:
         """Return the safe unicycle commands nearest to the desired ones.
 
         Nearest is meant at the projection points, where 1 rad/s counts as d m/s.
@@ -213,6 +135,8 @@ wheel_disturbance, time_step
             Unicycle commands: v in m/s and ω in rad/s.
         poses : (3, N) array
             Poses of the robots, m and rad.
+        obstacles : sequence of Disc or Segment, optional
+            Obstacles as they are now, instead of those of the certificate.
 
         Returns
         -------
@@ -230,7 +154,7 @@ wheel_disturbance, time_step
         """
         desired, poses = checks.team(desired, poses, "poses", 3)
         if not checks.finite(desired, poses):
-            return self._projector.refuse(desired)
+            return self._refuse(desired)
         scene = self._scene(poses)
         assert scene.headings is not None
         cos, sin = scene.headings
@@ -238,7 +162,7 @@ wheel_disturbance, time_step
         points = np.empty_like(desired)
         points[0] = ahead * cos - aside * sin
         points[1] = ahead * sin + aside * cos
-        velocity, info = self._certify(points, scene)
+        velocity, info = self._certify(points, scene, obstacles)
         if info.status == "trivial":
             return desired.copy(), info
         return self._commands(velocity, scene.headings), info
@@ -265,7 +189,7 @@ wheel_disturbance, time_step
 
     def _commands(self, velocity: FloatArray, headings: FloatArray) -> FloatArray:
         (cos, sin), (x, y) = headings, velocity
-        distance, step = self._parameters.projection_distance, self._parameters.time_step
+        distance, step = self.projection_distance, self.time_step
         commands = np.empty_like(velocity)
         commands[0] = x * cos + y * sin
         commands[1] = (y * cos - x * sin) / distance
@@ -277,7 +201,7 @@ wheel_disturbance, time_step
 
     def _means(self, commands: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return how fast commands move the projection points, ahead and aside, m/s."""
-        distance, step = self._parameters.projection_distance, self._parameters.time_step
+        distance, step = self.projection_distance, self.time_step
         if not step:
             return commands[0], distance * commands[1]
         # Beyond a quarter turn a step cannot be told from a shorter one.
@@ -285,7 +209,9 @@ wheel_disturbance, time_step
         ahead = commands[0] - distance * (1.0 - np.cos(angle)) / step
         return ahead, distance * np.sin(angle) / step
 
-    def margins(self, poses: Any, within: float = 0.1) -> list[Margin]:
+    def margins(
+        self, poses: Any, within: float = 0.1, obstacles: Sequence[Obstacle] | None = None
+    ) -> list[Margin]:
         """Return every pair, wall and obstacle that is near to being unsafe, the nearest first.
 
         Parameters
@@ -294,12 +220,14 @@ wheel_disturbance, time_step
             Poses of the robots, m and rad; margins are those of their projection points.
         within : float
             Leave out what is clear by more than this, m.
+        obstacles : sequence of Disc or Segment, optional
+            Obstacles as they are now, instead of those of the certificate.
         """
-        return self._margins(self._scene(checks.columns("poses", poses, 3)), within)
+        return self._margins(self._scene(checks.columns("poses", poses, 3)), within, obstacles)
 
     def _scene(self, poses: FloatArray) -> Scene:
         """Return where the projection points are, and the headings."""
         headings = np.empty((2, poses.shape[1]))
         np.cos(poses[2], out=headings[0])
         np.sin(poses[2], out=headings[1])
-        return Scene(poses[:2] + self._parameters.projection_distance * headings, headings)
+        return Scene(poses[:2] + self.projection_distance * headings, headings)

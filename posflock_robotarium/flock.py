@@ -312,7 +312,7 @@ class Flock:
         return FlockStep(
             command=command,
             status=info.status,
-            moved=info.moved,
+            moved=info.intervention,
             smallest_h=info.smallest_h,
             turning=turning,
         )

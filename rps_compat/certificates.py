@@ -17,14 +17,20 @@ from typing import Any
 
 import numpy as np
 
-from barrier_certificates.disturbance import WheelDisturbance
-from barrier_certificates.limits import LimitRows
-from barrier_certificates.obstacles import Disc, ObstacleRows
-from barrier_certificates.pairs import PairRows
 from barrier_certificates.projection import ProjectionInfo, Projector
-from barrier_certificates.rowbook import RowBook
-from barrier_certificates.rows import Family, Rows, Scene
-from barrier_certificates.walls import WallRows, rectangle
+from barrier_certificates.rows import (
+    Disc,
+    Family,
+    LimitRows,
+    ObstacleRows,
+    PairRows,
+    RowBook,
+    Rows,
+    Scene,
+    WallRows,
+    WheelDisturbance,
+    rectangle,
+)
 from rps_compat import kinematics
 from rps_compat.errors import RobotariumError
 from rps_compat.kinematics import Array
@@ -185,7 +191,7 @@ class PointCertificate:
         )
         safe, info = self._projector.project(velocities / unit, scaled)
         info.violation *= unit
-        info.moved *= unit
+        info.intervention *= unit
         return safe * unit, info
 
     def _place(self, obstacles: Array | None) -> None:

@@ -10,14 +10,19 @@ from pathlib import Path
 
 import numpy as np
 
-from barrier_certificates.disturbance import WheelDisturbance
-from barrier_certificates.limits import LimitRows, VelocityPolygon, unicycle_polygon
-from barrier_certificates.obstacles import Disc, ObstacleRows
-from barrier_certificates.pairs import PairRows
+from barrier_certificates.differential_drive import DifferentialDrive
 from barrier_certificates.projection import Projector
-from barrier_certificates.rowbook import RowBook
-from barrier_certificates.rows import Scene
-from barrier_certificates.walls import WallRows, rectangle
+from barrier_certificates.rows import (
+    Disc,
+    LimitRows,
+    ObstacleRows,
+    PairRows,
+    RowBook,
+    Scene,
+    VelocityPolygon,
+    WallRows,
+    rectangle,
+)
 
 GOLDEN = Path(__file__).parent / "golden" / "barriers.npz"
 
@@ -60,9 +65,17 @@ def certify(case, solver):
         bounds[0] = case.get("first_side", bounds[0])
         families.append(LimitRows(octagon.normals, bounds, octagon.names))
     if "wheels" in case:
-        limit, radius, base = case["wheels"]
-        families.append(unicycle_polygon(distance, None, None, limit, radius, base).rows(True))
-        disturbance = WheelDisturbance(case["disturbance"], radius, base, distance)
+        limit, radius, base = np.abs(case["wheels"])
+        drive = DifferentialDrive(
+            projection_distance=abs(distance),
+            speed_limit=None,
+            wheel_limit=limit,
+            wheel_radius=radius,
+            base_length=base,
+            wheel_disturbance=abs(case["disturbance"]),
+        )
+        families.append(drive.polygon().rows(turning=True))
+        disturbance = drive.disturbance()
     if "boundary" in case:
         walls = rectangle(case["boundary"])
         families.append(WallRows(*walls, case["radius"] / 2, case["gain"]))

@@ -88,7 +88,7 @@ def test_not_a_number_stops_the_team():
     velocity, info = SingleIntegratorCertificate()(command, positions)
     assert info.status == "failed"
     assert not velocity.any()
-    assert np.isnan([info.violation, info.moved, info.smallest_h, info.clearance]).all()
+    assert np.isnan([info.violation, info.intervention, info.smallest_h, info.clearance]).all()
     with pytest.raises(NotFiniteError):
         SingleIntegratorCertificate(on_infeasible="raise")(command, positions)
 
@@ -154,7 +154,7 @@ def test_absurd_commands_keep_the_limits(speed):
     velocity, info = certificate([[speed, 0.1], [0.3 * speed, 0.0]], [[0.0, 1.0], [0.0, 0.0]])
     assert info.status == "optimal"
     assert info.violation <= 1e-9
-    assert info.moved == pytest.approx(np.hypot(1, 0.3) * speed, rel=1e-6, abs=0.2)
+    assert info.intervention == pytest.approx(np.hypot(1, 0.3) * speed, rel=1e-6, abs=0.2)
     corner = 0.2 * np.array([np.cos(np.pi / 4), np.sin(np.pi / 4)])  # of the octagon, or its side
     assert np.hypot(*velocity[:, 0]) <= 0.2 + 1e-9
     assert velocity[:, 0] @ [1, 0.3] >= corner @ [1, 0.3]

@@ -6,28 +6,35 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from barrier_certificates.certificate_errors import NotFiniteError, ParameterError
-from barrier_certificates.disturbance import WheelDisturbance
-from barrier_certificates.limits import VelocityPolygon, unicycle_polygon
-from barrier_certificates.obstacles import Disc, ObstacleRows, Segment
-from barrier_certificates.pairs import PairRows
-from barrier_certificates.rowbook import RowBook
-from barrier_certificates.rows import Scene
+from barrier_certificates.differential_drive import DifferentialDrive
+from barrier_certificates.rows import (
+    Disc,
+    ObstacleRows,
+    PairRows,
+    RowBook,
+    Scene,
+    Segment,
+    VelocityPolygon,
+    WallRows,
+    polygon,
+    rectangle,
+)
 from barrier_certificates.single_integrator import SingleIntegratorCertificate
 from barrier_certificates.unicycle import UnicycleCertificate
-from barrier_certificates.walls import WallRows, polygon, rectangle
 
 ARENA = (-1.6, 1.6, -1.0, 1.0)
 
 
 def everything(rng, number):
     """Return a book with every kind of rows, and a scene."""
-    disturbance = WheelDisturbance(0.3, 0.016, 0.105, 0.05)
+    drive = DifferentialDrive(speed_limit=0.15, turn_rate_limit=0.55, wheel_disturbance=0.3)
+    disturbance = drive.disturbance()
     obstacles = [
         Disc((0.4, 0.1), 0.05, (0.01, -0.02)),
         Segment((-0.5, 0.4), (0.2, 0.6), 0.01, name="bar"),
     ]
     families = [
-        unicycle_polygon(0.05, 0.15, 0.55, 12.5, 0.016, 0.105).rows(turning=True),
+        drive.polygon().rows(turning=True),
         WallRows(*rectangle(ARENA), 0.06, 100.0, disturbance),
         ObstacleRows(obstacles, 0.06, 100.0, disturbance),
     ]
@@ -96,8 +103,9 @@ def test_labels_name_robots_walls_and_obstacles():
     st.floats(0.01, 1.0), st.floats(0.1, 10.0), st.floats(1.0, 20.0), st.sampled_from([0.0, 0.033])
 )
 def test_sides_left_out_are_implied_by_the_others(speed, turn, wheel, step):
-    arguments = (0.05, speed, turn, wheel, 0.016, 0.105, step)
-    polygon_ = unicycle_polygon(*arguments)
+    polygon_ = DifferentialDrive(
+        speed_limit=speed, turn_rate_limit=turn, wheel_limit=wheel, time_step=step
+    ).polygon()
     assert len(polygon_.names) <= 9
     angle = np.linspace(0, 2 * np.pi, 721)
     direction = np.stack([np.cos(angle), np.sin(angle)])
@@ -204,9 +212,9 @@ def test_parameters_are_checked_and_named(wrong, named):
         lambda: Disc("ab", 0.1),
         lambda: Disc(((0.0, 1.0), 0.0), 0.1),
         lambda: Disc((0.0, 0.0), None),
-        lambda: setattr(SingleIntegratorCertificate(), "obstacles", None),
+        lambda: SingleIntegratorCertificate()([[0.0], [0.0]], [[0.0], [0.0]], obstacles=3),
         lambda: VelocityPolygon.octagon(-0.1),
-        lambda: SingleIntegratorCertificate(speed_shape="circle"),
+        lambda: DifferentialDrive(wheel_radius=0.0),
     ],
 )
 def test_obstacles_and_limits_are_checked(make):

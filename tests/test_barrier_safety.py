@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from barrier_certificates.certificate_errors import InfeasibleError, ParameterError
 from barrier_certificates.deadlock import DeadlockParameters
 from barrier_certificates.guarantee import largest_gain, largest_wall_gain, turning_error
-from barrier_certificates.obstacles import Disc, Segment
+from barrier_certificates.rows import Disc, Segment
 from barrier_certificates.single_integrator import SingleIntegratorCertificate
 from barrier_certificates.unicycle import UnicycleCertificate
 
@@ -192,7 +192,7 @@ def test_robots_driven_at_obstacles_stay_clear(obstacles):
     certificate = SingleIntegratorCertificate(0.12, 200.0, obstacles=obstacles)
     positions = np.array([[-0.5, -0.5, -0.3], [-0.2, 0.05, 0.45]])
     for _ in range(400):
-        velocity, info = certificate(np.tile([[0.3], [0.0]], 3), positions)
+        velocity, info = certificate(np.tile([[0.3], [0.0]], 3), positions, obstacles)
         assert info.status != "relaxed"
         assert info.smallest_h >= 0
         positions = positions + STEP * velocity
@@ -202,7 +202,6 @@ def test_robots_driven_at_obstacles_stay_clear(obstacles):
             else o
             for o in obstacles
         ]
-        certificate.obstacles = obstacles
     assert positions[0].max() > 0.5  # someone came past
 
 
@@ -322,14 +321,14 @@ def test_parameters_can_be_changed_and_memory_reset():
     certificate = SingleIntegratorCertificate(0.15)
     positions, command = [[-0.1, 0.1], [0.0, 0.0]], [[0.2, -0.2], [0.0, 0.0]]
     assert certificate(command, positions)[1].status == "optimal"
-    certificate.parameters = dataclasses.replace(certificate.parameters, safety_radius=0.02)
+    certificate = dataclasses.replace(certificate, safety_radius=0.02)
     slow = [[0.005, -0.005], [0.0, 0.0]]
     velocity, info = certificate(slow, positions)
     assert info.status == "trivial"
     certificate.reset()
     np.testing.assert_array_equal(certificate(slow, positions)[0], velocity)
-    with pytest.raises(ParameterError, match="expected SingleIntegratorParameters"):
-        certificate.parameters = UnicycleCertificate().parameters
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        certificate.safety_radius = 0.3
 
 
 @settings(max_examples=60, deadline=None)

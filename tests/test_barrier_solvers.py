@@ -171,7 +171,7 @@ def test_leaving_out_far_pairs_changes_nothing(number):
     command = -positions
     near = SingleIntegratorCertificate(RADIUS)
     every = SingleIntegratorCertificate(RADIUS)
-    every._book.prune_from = 10**9
+    every._memory.book.prune_from = 10**9
     velocity, info = near(command, positions)
     expected, all_info = every(command, positions)
     assert len(info.rows) < len(all_info.rows)

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from barrier_certificates.disturbance import WheelDisturbance
+from barrier_certificates.rows import WheelDisturbance
 from rps_compat import certificates, deviations
 from rps_compat.arguments import NumberError, matrix, scalar
 from rps_compat.certificates import PointCertificate, UnicycleCertificate
@@ -82,7 +82,10 @@ def robust_wheels(
             barrier_gain,
             walls=certificates.boundary(walls[0]) if walls else None,
             limits=certificates.wheel_box(wheel_vel_limit, *robot),
-            disturbance=WheelDisturbance(abs(disturbance), *robot),
+            disturbance=WheelDisturbance(
+                abs(disturbance * wheel_radius),
+                abs(2.0 * disturbance * wheel_radius * projection_distance / base_length),
+            ),
         )
         return UnicycleCertificate(points, projection_distance)
 

@@ -16,10 +16,13 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-from barrier_certificates.pairs import PairRows
-from barrier_certificates.rows import WORLD, Barrier, Family, FloatArray, IntArray, Rows, Scene
+from barrier_certificates.array_types import FloatArray, IntArray
+from barrier_certificates.rows.pairs import PairRows
+from barrier_certificates.rows.row_family import NOTHING_NEAR, WORLD, Barrier, Family, Scene
+from barrier_certificates.rows.row_set import Rows
 
 _DENSE_UP_TO = 20_000  # entries; beyond, a dense matrix besides costs more than it saves
+_TIE = 1e-12  # m; of families equally near, the first is reported
 
 
 class Margin(NamedTuple):
@@ -71,26 +74,29 @@ class RowBook:
         self._reach = np.inf if pairs is None else pairs.reach(top_speed)
 
     def write(self, scene: Scene) -> tuple[Rows, Barrier]:
-        """Return the rows for a scene, and the smallest barrier in it.
+        """Return the rows for a scene, and the barrier of least clearance in it.
 
         The arrays inside are written again by the next call.
         """
         number = scene.positions.shape[1]
         if number != self._number:
             self._lay_out(number)
-        h = clearance = np.inf
-        for family, coefficient, bound in self._sections:
-            barrier = family.update(scene, coefficient, bound)
-            h, clearance = min(h, barrier.h), min(clearance, barrier.clearance)
+        nearest = NOTHING_NEAR
+        for family, start, coefficient, bound in self._sections:
+            nearest = _nearer(nearest, family.update(scene, coefficient, bound), start)
         if self.pairs is not None and number > 1:
             if self._all_pairs is None:
-                return self._write_near(scene, Barrier(h, clearance))
+                return self._write_near(scene, nearest)
             barrier = self.pairs.write(
                 scene, self._all_pairs, self._pair_coefficient, self._pair_bound
             )
-            h, clearance = min(h, barrier.h), min(clearance, barrier.clearance)
+            nearest = _nearer(nearest, barrier, self._fixed)
         self._rows.refresh()
-        return self._rows, Barrier(h, clearance)
+        return self._rows, nearest
+
+    def forget(self) -> None:
+        """Lay the rows out anew at the next scene: some family has more or fewer of them."""
+        self._number = -1
 
     def margins(self, scene: Scene, within: float) -> list[Margin]:
         """Return what is closer than ``within`` (m) to being unsafe, the closest first."""
@@ -128,9 +134,9 @@ class RowBook:
         for family, block in zip(self.families, partners, strict=False):
             stop = start + block.shape[1]
             weight[start:stop] = family.weight
-            section = (family, coefficient[:, start:stop], bound[start:stop])
-            family.prepare(number, *section[1:])
-            self._sections.append(section)
+            section = (coefficient[:, start:stop], bound[start:stop])
+            family.prepare(number, *section)
+            self._sections.append((family, start, *section))
             start = stop
         if self.pairs is not None:
             weight[start:] = self.pairs.weight
@@ -157,18 +163,16 @@ class RowBook:
 
         return label
 
-    def _write_near(self, scene: Scene, barrier: Barrier) -> tuple[Rows, Barrier]:
+    def _write_near(self, scene: Scene, nearest: Barrier) -> tuple[Rows, Barrier]:
         """Write the rows of a large team: only pairs that can break their row at top speed."""
         assert self.pairs is not None
         number, fixed = self._number, self._rows
         tree = cKDTree(scene.positions.T)
         near = np.ascontiguousarray(tree.query_pairs(self._reach, output_type="ndarray").T)
+        if not near.shape[1]:
+            near = _closest_pair(tree)  # its row cannot be broken, but its distance is reported
         coefficient, bound = np.empty((4, near.shape[1])), np.empty(near.shape[1])
         closest = self.pairs.write(scene, near, coefficient, bound)
-        if not near.shape[1]:
-            distance = float(tree.query(scene.positions.T, k=2)[0][:, 1].min())
-            radius = self.pairs.radius
-            closest = Barrier(distance**2 - radius**2, distance - radius)
         rows = Rows(
             np.concatenate([fixed.index, _unknowns(near, number)], axis=1),
             np.concatenate([fixed.coefficient, coefficient], axis=1),
@@ -178,7 +182,22 @@ class RowBook:
             _labeller(self._label_fixed, self._fixed, near),
             np.concatenate([np.arange(self._fixed), self._fixed + near[0] * number + near[1]]),
         )
-        return rows, Barrier(min(barrier.h, closest.h), min(barrier.clearance, closest.clearance))
+        return rows, _nearer(nearest, closest, self._fixed)
+
+
+def _nearer(nearest: Barrier, found: Barrier, start: int) -> Barrier:
+    """Return which barrier has less clearance; the rows of the one found begin at ``start``."""
+    if found.clearance < nearest.clearance - _TIE:
+        return found._replace(row=start + found.row)
+    return nearest
+
+
+def _closest_pair(tree: cKDTree) -> IntArray:
+    """Return the two points nearest to each other, shape (2, 1)."""
+    distance, neighbour = tree.query(tree.data, k=2)
+    first = int(distance[:, 1].argmin())
+    other = int(neighbour[first, 1])
+    return np.array([[min(first, other)], [max(first, other)]])
 
 
 def _unknowns(partners: IntArray, number: int) -> IntArray:

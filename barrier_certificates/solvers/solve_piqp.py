@@ -10,8 +10,9 @@ from collections.abc import Mapping
 import numpy as np
 from scipy import sparse
 
-from barrier_certificates.active_set import polish
-from barrier_certificates.rows import FloatArray, IntArray, Rows
+from barrier_certificates.array_types import FloatArray, IntArray
+from barrier_certificates.rows.row_set import Rows
+from barrier_certificates.solvers.active_set import polish
 
 _DEFAULTS = {"eps_abs": 1e-10, "eps_rel": 1e-10}
 

@@ -15,7 +15,8 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.optimize import nnls
 
-from barrier_certificates.rows import FloatArray, IntArray, Rows
+from barrier_certificates.array_types import FloatArray, IntArray
+from barrier_certificates.rows.row_set import Rows
 
 _NO_RESIDUAL = 1e-9
 _BROKEN = 1e-10  # m/s

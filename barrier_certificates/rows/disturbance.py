@@ -5,6 +5,9 @@ its projection point with ``q̇ = G (u + w)``. A row ``a·q̇ ≤ b`` holds for 
 holds with ``b − δ‖aᵀG‖₁``: the worst of the four corners. This is the robust barrier function of
 Emam, Glotfelter and Egerstedt (Robust Barrier Functions for a Fully Autonomous, Remotely Accessible
 Swarm-Robotics Testbed, 2019) for a disturbance that enters with the input.
+
+The four corners are those of a rhombus in the body frame: both wheels turning the same way move the
+point along the heading, turning opposite ways across it.
 """
 
 from __future__ import annotations
@@ -14,28 +17,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.certificate_errors import ParameterError
-from barrier_certificates.rows import FloatArray, IntArray, Scene
+from barrier_certificates.rows.row_family import Scene
 
 
 @dataclass(frozen=True)
 class WheelDisturbance:
-    """A bounded disturbance on the wheels of every robot.
+    """Unwanted velocities of a point that turns with its robot: the rhombus with these half-axes.
 
     Parameters
     ----------
-    bound : float
-        δ, the largest unwanted speed of a wheel, rad/s.
-    wheel_radius, base_length : float
-        Radius of the wheels and distance between them, m.
-    projection_distance : float
-        How far ahead of the axle the projection point lies, m.
+    along, across : float
+        The largest unwanted velocities along the heading and across it, m/s.
     """
 
-    bound: float
-    wheel_radius: float
-    base_length: float
-    projection_distance: float
+    along: float
+    across: float
 
     def worst(self, scene: Scene, robots: IntArray, normals: FloatArray) -> FloatArray:
         """How much a row may lose through these robots, shape (m,), m/s.
@@ -53,19 +51,11 @@ class WheelDisturbance:
             raise ParameterError("a wheel disturbance needs robots that have headings")
         cos, sin = scene.headings.take(robots, axis=1)
         x, y = normals
-        along = np.abs(x * cos + y * sin) * self._along
-        across = np.abs(y * cos - x * sin) * self._across
-        # ‖aᵀG‖₁ = |p − q| + |p + q| = 2 max(|p|, |q|) of the forward and turning parts.
+        along = np.abs(x * cos + y * sin) * self.along
+        across = np.abs(y * cos - x * sin) * self.across
+        # The worst corner of a rhombus is one of its four.
         return np.asarray(np.maximum(along, across))
 
     def top_speed(self) -> float:
-        """Speed that the disturbance alone can give the projection point, m/s."""
-        return math.hypot(self._along, self._across)
-
-    @property
-    def _along(self) -> float:
-        return abs(self.bound * self.wheel_radius)
-
-    @property
-    def _across(self) -> float:
-        return abs(self._along * 2.0 * self.projection_distance / self.base_length)
+        """Speed that the disturbance alone can give the point, m/s; never less than it is."""
+        return math.hypot(self.along, self.across)

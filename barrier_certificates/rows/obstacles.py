@@ -15,10 +15,11 @@ from typing import Any
 import numpy as np
 
 from barrier_certificates import checks
+from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.certificate_errors import ParameterError
-from barrier_certificates.disturbance import WheelDisturbance
-from barrier_certificates.pairs import COINCIDENT
-from barrier_certificates.rows import Barrier, FloatArray, IntArray, Scene, with_world
+from barrier_certificates.rows.disturbance import WheelDisturbance
+from barrier_certificates.rows.pairs import COINCIDENT
+from barrier_certificates.rows.row_family import NOTHING_NEAR, Barrier, Scene, with_world
 
 Point = tuple[float, float]
 
@@ -39,7 +40,7 @@ class Disc:
     name: str = ""
 
     def __post_init__(self) -> None:
-        _check(self.radius, self.centre, self.velocity)
+        _settle(self, "centre", "velocity")
 
     @property
     def ends(self) -> tuple[Point, Point]:
@@ -64,7 +65,7 @@ class Segment:
     name: str = ""
 
     def __post_init__(self) -> None:
-        _check(self.radius, self.start, self.end, self.velocity)
+        _settle(self, "start", "end", "velocity")
 
     @property
     def ends(self) -> tuple[Point, Point]:
@@ -75,14 +76,20 @@ class Segment:
 Obstacle = Disc | Segment
 
 
-def _check(radius: float, *points: Point) -> None:
-    try:
-        numbers = [np.asarray(point, dtype=float) for point in points]
-    except (TypeError, ValueError):
-        numbers = [np.array(np.nan)]
-    if not all(n.shape == (2,) and np.all(np.isfinite(n)) for n in numbers):
-        raise ParameterError(f"obstacle has points {points}; expected pairs of finite numbers")
-    checks.not_negative("radius of an obstacle", radius, "of metres")
+def _settle(obstacle: Obstacle, *points: str) -> None:
+    """Turn the points of an obstacle into pairs of floats, refusing what is none."""
+    for name in points:
+        given = getattr(obstacle, name)
+        try:
+            point = np.asarray(given, dtype=float)
+        except (TypeError, ValueError):
+            point = np.array(np.nan)
+        if point.shape != (2,) or not np.all(np.isfinite(point)):
+            raise ParameterError(
+                f"{name} of an obstacle is {given!r}; expected a pair of finite numbers"
+            )
+        object.__setattr__(obstacle, name, (point.item(0), point.item(1)))
+    checks.not_negative("radius of an obstacle", obstacle.radius, "of metres")
 
 
 def listed(obstacles: Any) -> tuple[Obstacle, ...]:
@@ -132,13 +139,15 @@ class ObstacleRows:
         self.move(obstacles)
 
     def move(self, obstacles: Sequence[Obstacle]) -> None:
-        """Put obstacles where they are now; as many as before."""
+        """Put obstacles where they are now; tell the row book where their number changed."""
+        self.obstacles = obstacles
         ends = np.array([o.ends for o in obstacles], dtype=float).reshape(-1, 2, 2)
         self._start = ends[:, 0].T[:, :, None]
         self._along = (ends[:, 1] - ends[:, 0]).T[:, :, None]
         square = (self._along * self._along).sum(axis=0)
         self._inverse_square = np.divide(1.0, square, out=np.zeros_like(square), where=square > 0)
-        self._velocity = np.array([o.velocity for o in obstacles], dtype=float).T[:, :, None]
+        velocities = np.array([o.velocity for o in obstacles], dtype=float).reshape(-1, 2)
+        self._velocity = velocities.T[:, :, None]
         radii = np.array([o.radius for o in obstacles], dtype=float)[:, None]
         self._distance = radii + self._margin
         self.names = tuple(o.name or f"obstacle {k}" for k, o in enumerate(obstacles))
@@ -152,6 +161,8 @@ class ObstacleRows:
 
     def update(self, scene: Scene, coefficient: FloatArray, bound: FloatArray) -> Barrier:
         """Write the rows for the present positions."""
+        if not self.names:
+            return NOTHING_NEAR
         offset, square = self._offsets(scene)
         if square.min() < COINCIDENT**2:
             square = self._leave(offset, square)
@@ -164,7 +175,9 @@ class ObstacleRows:
         if self.disturbance is not None:
             robots = np.tile(np.arange(scene.positions.shape[1]), len(self.names))
             bound -= self.disturbance.worst(scene, robots, coefficient[:2])
-        return Barrier(float(h.min()), float((distance - self._distance).min()))
+        clearance = distance - self._distance
+        row = int(clearance.argmin())
+        return Barrier(h.item(row), clearance.item(row), row)
 
     def measure(self, scene: Scene) -> tuple[FloatArray, FloatArray]:
         """Return ‖D‖² − R² in m² and ‖D‖ − R in m of each row."""

@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 
-from barrier_certificates.disturbance import WheelDisturbance
-from barrier_certificates.rows import Barrier, FloatArray, IntArray, Scene
+from barrier_certificates.array_types import FloatArray, IntArray
+from barrier_certificates.rows.disturbance import WheelDisturbance
+from barrier_certificates.rows.row_family import NOTHING_NEAR, Barrier, Scene
 
 _SQRT2 = math.sqrt(2.0)
 COINCIDENT = 1e-6
@@ -56,8 +57,10 @@ class PairRows:
         offset -= scene.positions.take(second, axis=1)
         square = offset[0] * offset[0]
         square += offset[1] * offset[1]
-        # argmin costs a tenth of min on small arrays.
-        nearest = float(square[square.argmin()]) if square.shape[0] else np.inf
+        if not square.shape[0]:
+            return NOTHING_NEAR
+        row = int(square.argmin())  # a tenth of what min costs on small arrays
+        nearest = float(square[row])
         if nearest < COINCIDENT**2:
             square = _part_coincident(offset, square, pairs)
         h = square - self.radius**2
@@ -79,7 +82,7 @@ class PairRows:
         if self.disturbance is not None:
             bound -= self.disturbance.worst(scene, first, coefficient[:2])
             bound -= self.disturbance.worst(scene, second, coefficient[2:])
-        return Barrier(smallest, math.sqrt(nearest) - self.radius)
+        return Barrier(smallest, math.sqrt(nearest) - self.radius, row)
 
     def measure(self, scene: Scene, pairs: IntArray) -> tuple[FloatArray, FloatArray]:
         """Return ‖D‖² − r² in m² and ‖D‖ − r in m of the given pairs (2, m)."""

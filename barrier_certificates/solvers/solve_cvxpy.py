@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from barrier_certificates.rows import FloatArray, IntArray, Rows
+from barrier_certificates.array_types import FloatArray, IntArray
+from barrier_certificates.rows.row_set import Rows
 
 _TOLERANCES = ((1e-15, 1e-12), (1e-13, 1e-11), (1e-11, 1e-10))  # gap, rows: the finest that works
 

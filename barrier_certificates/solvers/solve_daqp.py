@@ -10,7 +10,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from barrier_certificates.rows import FloatArray, IntArray, Rows
+from barrier_certificates.array_types import FloatArray, IntArray
+from barrier_certificates.rows.row_set import Rows
 
 _DEFAULTS = {"primal_tol": 1e-11, "dual_tol": 1e-12}
 

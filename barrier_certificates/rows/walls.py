@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.certificate_errors import ParameterError
-from barrier_certificates.disturbance import WheelDisturbance
-from barrier_certificates.rows import Barrier, FloatArray, IntArray, Scene, with_world
+from barrier_certificates.rows.disturbance import WheelDisturbance
+from barrier_certificates.rows.row_family import Barrier, Scene, with_world
 
 
 class WallRows:
@@ -70,8 +71,9 @@ class WallRows:
         if self.disturbance is not None:
             robots = np.tile(np.arange(scene.positions.shape[1]), len(self.names))
             bound -= self.disturbance.worst(scene, robots, coefficient[:2])
-        smallest = float(gap[gap.argmin()])
-        return Barrier(smallest, smallest)
+        row = int(gap.argmin())
+        smallest = float(gap[row])
+        return Barrier(smallest, smallest, row)
 
     def measure(self, scene: Scene) -> tuple[FloatArray, FloatArray]:
         """Return the gap to each wall twice: it is barrier and clearance in one, m."""

@@ -1,64 +1,19 @@
-r"""What must hold: linear rows :math:`a^\top v \le b` on the velocities of a team.
-
-A *control barrier function* ``h`` is positive where a team is safe. Keeping :math:`\dot h \ge
--\gamma h^3` at every moment keeps ``h`` positive for ever, and because :math:`\dot h` is linear in
-the velocities, the condition is one linear row. Four kinds of rows cover a team in an arena:
-
-=========  ==================================================  ==================================
-kind       barrier                                             row
-=========  ==================================================  ==================================
-pair       h = ‖xᵢ − xⱼ‖² − r²                                 −2D·vᵢ + 2D·vⱼ ≤ γ h³, D = xᵢ − xⱼ
-obstacle   h = ‖xᵢ − c‖² − R², c the obstacle's nearest point  −2D·vᵢ + 2D·ċ ≤ γ h³,  D = xᵢ − c
-wall       g = distance to the wall − margin                   n·vᵢ ≤ 0.4 γ g³, n out of the arena
-limit      (none: what the motors can do)                      n·vᵢ ≤ b, for each side of a polygon
-=========  ==================================================  ==================================
-
-Every row is scaled to unit norm, so how far a row is broken is a speed in m/s, whatever its kind,
-and one tolerance serves all.
+"""A set of rows in arrays: what the solvers get.
 
 A row touches one robot or two, so at most four of the 2N unknowns. The rows of a team are therefore
-kept as four indices and four coefficients each (`Rows`), never as a dense matrix; the unknown after
+kept as four indices and four coefficients each, never as a dense matrix alone; the unknown after
 the last is the *world*, which always stands still and is the partner of walls, limits and
-obstacles. Each kind is a `Family` with a module of its own (`barrier_certificates.pairs`,
-``walls``, ``obstacles``, ``limits``); `barrier_certificates.rowbook` puts them together.
+obstacles.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.intp]
-BoolArray = NDArray[np.bool_]
-
-WORLD = -1
-"""Stands in for a robot where a row has no second one."""
-
-
-class Barrier(NamedTuple):
-    """The value that decides safety, in the barrier's own unit and in metres.
-
-    ``h`` is ‖D‖² − r² in m² for pairs and obstacles, and the distance less the margin in m for
-    walls; ``clearance`` is in metres for all. Both are negative exactly when something is unsafe.
-    """
-
-    h: float
-    clearance: float
-
-
-NOTHING_NEAR = Barrier(np.inf, np.inf)
-
-
-class Scene(NamedTuple):
-    """Where the team is: positions (2, N) in m and, where robots have one, headings (2, N)."""
-
-    positions: FloatArray
-    headings: FloatArray | None = None
+from barrier_certificates.array_types import FloatArray, IntArray
 
 
 class Rows:
@@ -179,6 +134,21 @@ class Rows:
             lambda row: self.label(int(which[row])),
         )
 
+    def in_unit(self, speed: float) -> Rows:
+        """Return the same rows for velocities in units of ``speed`` (m/s); arrays are shared."""
+        rows = Rows(
+            self.index,
+            self.coefficient,
+            self.bound / speed,
+            self.size,
+            self.weight,
+            self.label,
+            self.key,
+        )
+        if self._flat is not None:
+            rows._flat, rows._place = self._flat, self._place
+        return rows
+
     def softened(self) -> Rows:
         """Return the rows with a slack unknown for each row that may be given up.
 
@@ -194,31 +164,3 @@ class Rows:
         coefficient[:-1] = self.coefficient
         coefficient[-1, soft] = -1.0 / np.sqrt(self.weight[soft])
         return Rows(index, coefficient, self.bound, size, self.weight, self.label, self.key)
-
-
-class Family(Protocol):
-    """Rows of one kind whose number depends on the number of robots alone."""
-
-    weight: float
-
-    def partners(self, number: int) -> IntArray:
-        """Which robots each row joins, shape (2, m); `WORLD` where there is no second one."""
-
-    def prepare(self, number: int, coefficient: FloatArray, bound: FloatArray) -> None:
-        """Write what never changes into ``coefficient`` (4, m) and ``bound`` (m,)."""
-
-    def update(self, scene: Scene, coefficient: FloatArray, bound: FloatArray) -> Barrier:
-        """Write what changes with the scene; return the smallest barrier of the family."""
-
-    def measure(self, scene: Scene) -> tuple[FloatArray, FloatArray]:
-        """Return barrier and clearance of each row; empty where the family has no barrier."""
-
-    def label(self, number: int, row: int) -> str:
-        """Say what the row stands for."""
-
-
-def with_world(rows_each: int, number: int) -> IntArray:
-    """Return the partners of ``rows_each`` rows for each robot with the world, (2, m)."""
-    partners = np.full((2, rows_each * number), WORLD)
-    partners[0] = np.tile(np.arange(number), rows_each)
-    return partners

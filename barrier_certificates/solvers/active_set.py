@@ -20,7 +20,8 @@ import numpy as np
 from scipy.linalg import lapack
 from scipy.sparse.linalg import splu
 
-from barrier_certificates.rows import FloatArray, IntArray, Rows
+from barrier_certificates.array_types import FloatArray, IntArray
+from barrier_certificates.rows.row_set import Rows
 
 # Binding rows; with more, OpenBLAS takes several threads, which on a busy machine wait for each
 # other for longer than the sparse factorisation takes.

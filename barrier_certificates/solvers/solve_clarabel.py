@@ -1,7 +1,7 @@
 """A sparse interior-point method: the default for large teams.
 
 `Clarabel <https://clarabel.org>`_ (Goulart and Chen, 2024). An interior point is near the optimum
-but never on the rows; `barrier_certificates.active_set.polish` puts it there.
+but never on the rows; `barrier_certificates.solvers.active_set.polish` puts it there.
 """
 
 from __future__ import annotations
@@ -11,8 +11,9 @@ from collections.abc import Mapping
 import numpy as np
 from scipy import sparse
 
-from barrier_certificates.active_set import polish
-from barrier_certificates.rows import FloatArray, IntArray, Rows
+from barrier_certificates.array_types import FloatArray, IntArray
+from barrier_certificates.rows.row_set import Rows
+from barrier_certificates.solvers.active_set import polish
 
 _DEFAULTS = {"tol_feas": 1e-10, "tol_gap_abs": 1e-11, "tol_gap_rel": 1e-11}
 _ENOUGH = ("Solved", "AlmostSolved")

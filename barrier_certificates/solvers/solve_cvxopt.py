@@ -11,8 +11,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from barrier_certificates.active_set import polish
-from barrier_certificates.rows import FloatArray, IntArray, Rows
+from barrier_certificates.array_types import FloatArray, IntArray
+from barrier_certificates.rows.row_set import Rows
+from barrier_certificates.solvers.active_set import polish
 
 _DEFAULTS = {"abstol": 1e-10, "reltol": 1e-10, "feastol": 1e-10, "maxiters": 100}
 _NAMES = {*_DEFAULTS, "refinement", "kktreg", "show_progress"}

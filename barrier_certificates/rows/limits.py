@@ -7,21 +7,14 @@ afterwards changes its direction against the other robots' and voids the certifi
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.certificate_errors import ParameterError
-from barrier_certificates.rows import (
-    NOTHING_NEAR,
-    Barrier,
-    FloatArray,
-    IntArray,
-    Scene,
-    with_world,
-)
+from barrier_certificates.rows.row_family import NOTHING_NEAR, Barrier, Scene, with_world
 
 
 class LimitRows:
@@ -169,58 +162,3 @@ class VelocityPolygon:
         points = np.stack([p * b[1] - q * a[1], q * a[0] - p * b[0]]) / determinant
         inside = np.all(self.normals.T @ points <= self.bounds[:, None] + 1e-12, axis=0)
         return np.asarray(points[:, inside])
-
-
-def unicycle_polygon(
-    projection_distance: float,
-    speed_limit: float | None,
-    turn_rate_limit: float | None,
-    wheel_limit: float | None,
-    wheel_radius: float,
-    base_length: float,
-    time_step: float = 0.0,
-) -> VelocityPolygon | None:
-    """Limits of a differential-drive robot, on the velocity of its projection point.
-
-    In the body frame the projection point at distance d ahead moves with (v, d·ω), so the limits
-    |v| ≤ v_max, |ω| ≤ ω_max and |v ± ω L/2| ≤ R·wheel_max are sides of a polygon. With a time step,
-    they are limits on the mean velocity over the step (see `barrier_certificates.unicycle`), which
-    needs v = v̄ + ε and ω up to κ times faster; both grow with the turn, so chords from no turn to
-    the fastest bound them.
-
-    Returns
-    -------
-    VelocityPolygon or None
-        In the body frame (x ahead, y to the left), implied sides left out; None without any limit.
-    """
-    d = projection_distance
-    widest, catch_up, faster = math.inf, 0.0, 1.0
-    rates = [] if turn_rate_limit is None else [turn_rate_limit]
-    if wheel_limit is not None:
-        rates.append(2.0 * wheel_limit * wheel_radius / base_length)
-    if rates and time_step > 0.0:
-        angle = min(min(rates) * time_step, 0.5 * math.pi)
-        widest = d * math.sin(angle) / time_step
-        catch_up = d * (1.0 - math.cos(angle)) / (time_step * widest)
-        faster = angle / math.sin(angle)
-    elif turn_rate_limit is not None:
-        widest = turn_rate_limit * d
-    sides: list[tuple[float, float, float, str]] = []  # normal, bound, name
-    if speed_limit is not None:
-        sides += [(1.0, side * catch_up, speed_limit, "speed limit") for side in (1.0, -1.0)]
-        sides += [(-1.0, 0.0, speed_limit, "speed limit")]
-    if math.isfinite(widest):
-        sides += [(0.0, side, widest, "turn rate limit") for side in (1.0, -1.0)]
-    if wheel_limit is not None:
-        limit, turn = wheel_limit * wheel_radius, faster * base_length / (2.0 * d)
-        sides += [
-            (1.0, turn + catch_up, limit, "right wheel limit"),
-            (-1.0, -turn, limit, "right wheel limit"),
-            (1.0, -turn - catch_up, limit, "left wheel limit"),
-            (-1.0, turn, limit, "left wheel limit"),
-        ]
-    if not sides:
-        return None
-    along, across, bounds, names = zip(*sides, strict=True)
-    polygon = VelocityPolygon(np.array([along, across]), np.array(bounds), names)
-    return polygon.without_idle_sides()

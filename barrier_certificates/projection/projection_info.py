@@ -1,0 +1,96 @@
+"""What a projection did, for logs and for people."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from barrier_certificates.array_types import IntArray
+from barrier_certificates.rows.row_set import Rows
+
+Status = Literal["trivial", "optimal", "relaxed", "failed"]
+
+NO_ROWS: IntArray = np.zeros(0, dtype=np.intp)
+
+
+@dataclass(slots=True)
+class ProjectionInfo:
+    """What a projection did.
+
+    Attributes
+    ----------
+    status : str
+        ``"trivial"``: the command was safe and is returned as it was. ``"optimal"``: the nearest
+        safe velocity. ``"relaxed"``: no safe velocity exists, this one breaks the rows least.
+        ``"failed"``: the robots were stopped (policy ``"stop"``, or NaN in poses or command, which
+        leaves the other numbers NaN).
+    violation : float
+        Largest excess over all rows at the velocity returned, m/s; zero if all hold.
+    iterations : int
+        Small problems solved.
+    solver : str
+        Who gave the answer; empty for a trivial one.
+    intervention : float
+        How far the velocity returned is from the command, the largest over the robots, m/s.
+    clearance : float
+        How far the team is from being unsafe, m: the least over pairs and obstacles of distance
+        less radius, over walls of distance less margin. Negative exactly when something is unsafe.
+    smallest_h : float
+        The barrier h of what has that clearance (see `nearest`): ‖D‖² − r² in m² for a pair or an
+        obstacle, the distance less the margin in m for a wall.
+    binding : integer array
+        Indices of the rows that bind.
+    broken : integer array
+        Indices of the rows that do not hold, the furthest from holding first; empty unless the
+        status is ``"relaxed"`` or ``"failed"``.
+    stuck : integer array
+        Robots that have been told to move but held back for some time, where a certificate watches
+        for it (its ``deadlock`` parameters).
+    rows : Rows, optional
+        All rows; their numbers are written again by the next call.
+    nearest_row : int
+        The row of what is nearest to being unsafe; −1 where there is nothing.
+    """
+
+    status: Status
+    violation: float = 0.0
+    iterations: int = 0
+    solver: str = ""
+    intervention: float = 0.0
+    clearance: float = math.inf
+    smallest_h: float = math.inf
+    binding: IntArray = field(default_factory=lambda: NO_ROWS, repr=False)
+    broken: IntArray = field(default_factory=lambda: NO_ROWS, repr=False)
+    stuck: IntArray = field(default_factory=lambda: NO_ROWS)
+    rows: Rows | None = field(default=None, repr=False)
+    nearest_row: int = field(default=-1, repr=False)
+
+    @property
+    def deadlocked(self) -> bool:
+        """Whether any robot is stuck."""
+        return bool(self.stuck.shape[0])
+
+    @property
+    def active(self) -> tuple[str, ...]:
+        """What the binding rows stand for: ``"robots 3 and 7"``, ``"robot 0 and wall +x"``."""
+        return self._named(self.binding)
+
+    @property
+    def violated(self) -> tuple[str, ...]:
+        """What the rows that do not hold stand for, the furthest from holding first."""
+        return self._named(self.broken)
+
+    @property
+    def nearest(self) -> str | None:
+        """What is nearest to being unsafe, as `active` names it; None where there is nothing."""
+        if self.rows is None or self.nearest_row < 0:
+            return None
+        return self.rows.label(self.nearest_row)
+
+    def _named(self, rows: IntArray) -> tuple[str, ...]:
+        if self.rows is None:
+            return ()
+        return tuple(self.rows.label(int(row)) for row in rows)

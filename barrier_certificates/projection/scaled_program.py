@@ -1,0 +1,93 @@
+"""Programs of large numbers, put into a unit of speed in which tolerances mean something.
+
+A row holds when it is broken by no more than 1e-9 m/s. That is meant for robots, which drive at
+decimetres a second. Where nothing limits speeds, a firm certificate can ask robots that overlap to
+part at a hundred kilometres a second, and 1e-9 m/s is less than the rounding of such numbers: no
+answer holds, the best one is refused, and a state that has a safe velocity passes for one that has
+none. The program is the same in any unit. So it is solved in one of its own: bounds and command are
+divided by a speed, the answer is multiplied by it.
+
+That speed is the largest excess of a row at the command, which is how far the command is moved at
+least; but no more than the top speed of the robots, which no answer exceeds. Up to 10 m/s the unit
+is 1 m/s, so that nothing changes for robots.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from barrier_certificates.array_types import FloatArray
+from barrier_certificates.rows.row_set import Rows
+
+TOLERANCE = 1e-9
+"""A row holds when it is broken by no more than this, in the unit of the program."""
+
+_FAST = 10.0  # m/s
+_FAR = 1e5
+"""Beyond this many times the top speed a command says no more than its direction."""
+_LARGE = 1e5  # m/s; rounding of such numbers would hide what robots that have a top speed can do
+
+
+class Program(NamedTuple):
+    """``min ‖v − target‖²`` over rows, in a unit of speed.
+
+    Attributes
+    ----------
+    target : (2N,) array
+        The commands, robot by robot.
+    rows : Rows
+        What must hold.
+    excess : (m,) array
+        ``rows.excess(target)``.
+    top_speed : float
+        No robot can be faster; infinite where nothing limits speeds.
+    unit : float
+        One unit of speed in m/s.
+    """
+
+    target: FloatArray
+    rows: Rows
+    excess: FloatArray
+    top_speed: float
+    unit: float = 1.0
+
+    def worst(self) -> float:
+        """Return how far the command breaks a row at most."""
+        return float(self.excess[self.excess.argmax()])
+
+    def scaled(self) -> Program:
+        """Return the same program in a unit of speed that suits its numbers."""
+        largest = min(self.worst(), self.top_speed)
+        if not largest > _FAST:
+            return self
+        return Program(
+            self.target / largest,
+            self.rows.in_unit(largest),
+            self.excess / largest,
+            self.top_speed / largest,
+            largest * self.unit,
+        )
+
+    def brought_near(self) -> Program:
+        """Return it with no command longer than 100,000 times the top speed, if that is finite."""
+        if not math.isfinite(self.top_speed) or not self.worst() > _LARGE:
+            return self
+        limit = _FAR * self.top_speed
+        x, y = self.target.reshape(-1, 2).T
+        shorter = np.repeat(limit / np.maximum(np.hypot(x, y), limit), 2)
+        target = self.target * shorter
+        return self._replace(target=target, excess=self.rows.excess(target))
+
+    def is_out_of_reach(self) -> bool:
+        """Whether some row asks for more than robots at top speed can do, and cannot hold.
+
+        A row has unit norm, so two robots change its left side by √2 times their speed at most.
+        """
+        if not math.isfinite(self.top_speed):
+            return False
+        bound = self.rows.bound
+        furthest = float(bound[bound.argmin()])
+        return furthest < -(1.0 + TOLERANCE) * math.sqrt(2.0) * self.top_speed

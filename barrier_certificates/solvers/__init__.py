@@ -1,0 +1,203 @@
+"""Who solves a small program: a registry, and one module a solver, all with one signature.
+
+The signature is `Solve`: the point nearest to a target that satisfies chosen rows. A new solver is
+one file, ``solve_NAME.py`` with a function ``solve``, and one entry below, which says what it needs
+and imports it when it is first asked for. `active_set` is the guess that answers most steps before
+any of them is asked, and that turns an approximate optimum into the exact one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from functools import cache
+from importlib.util import find_spec
+from typing import NamedTuple, Protocol
+
+from barrier_certificates.array_types import FloatArray, IntArray
+from barrier_certificates.certificate_errors import ParameterError, SolverNotInstalledError
+from barrier_certificates.rows.row_set import Rows
+from barrier_certificates.solvers.solve_nnls import solve as solve_by_nnls
+
+__all__ = ["NAMES", "Solve", "check", "choose", "confirm", "installed", "load", "solve"]
+
+LARGE = 120
+"""From this number of unknowns on, a sparse solver is chosen where one is installed."""
+
+
+class Solve(Protocol):
+    """What every solver does."""
+
+    def __call__(
+        self, rows: Rows, which: IntArray, target: FloatArray, options: Mapping[str, float]
+    ) -> FloatArray | None:
+        """Return the point nearest to ``target`` that satisfies the chosen rows.
+
+        Parameters
+        ----------
+        rows : Rows
+            All rows.
+        which : integer array
+            The rows to satisfy.
+        target : (size,) array
+            The point to be projected.
+        options : mapping
+            The solver's own, by their own names; they hold for this call.
+
+        Returns
+        -------
+        (size,) array or None
+            None if no point satisfies them, or none was found.
+        """
+
+
+class _Solver(NamedTuple):
+    needs: str
+    extra: str
+    load: Callable[[], Solve]
+
+
+_SOLVERS: dict[str, _Solver] = {}
+
+
+def _register(
+    name: str, needs: str = "", extra: str = ""
+) -> Callable[[Callable[[], Solve]], Callable[[], Solve]]:
+    """Enter a solver: its name, the library it needs, and the extra that brings that.
+
+    The library goes by the solver's name, and comes with the default install, unless said.
+    """
+
+    def enter(load: Callable[[], Solve]) -> Callable[[], Solve]:
+        _SOLVERS[name] = _Solver(needs or name, extra, load)
+        return load
+
+    return enter
+
+
+@_register("nnls", needs="scipy")
+def _() -> Solve:
+    return solve_by_nnls  # imported at once: on the testbed, the first hard step must not wait
+
+
+@_register("daqp", extra="fast")
+def _() -> Solve:
+    from barrier_certificates.solvers.solve_daqp import solve
+
+    return solve
+
+
+@_register("clarabel")
+def _() -> Solve:
+    from barrier_certificates.solvers.solve_clarabel import solve
+
+    return solve
+
+
+@_register("piqp", extra="fast")
+def _() -> Solve:
+    from barrier_certificates.solvers.solve_piqp import solve
+
+    return solve
+
+
+@_register("osqp")
+def _() -> Solve:
+    from barrier_certificates.solvers.solve_osqp import solve
+
+    return solve
+
+
+@_register("cvxopt", extra="cvxopt")
+def _() -> Solve:
+    from barrier_certificates.solvers.solve_cvxopt import solve
+
+    return solve
+
+
+@_register("cvxpy")
+def _() -> Solve:
+    from barrier_certificates.solvers.solve_cvxpy import solve
+
+    return solve
+
+
+NAMES = tuple(_SOLVERS)
+"""The solvers that can be asked for by name."""
+
+_SMALL_FIRST = ("daqp", "nnls")
+_LARGE_FIRST = ("piqp", "clarabel", "cvxopt", "daqp", "nnls")
+_CONFIRM_LARGE = ("clarabel", "cvxopt", "nnls")
+
+
+def check(name: str) -> None:
+    """Refuse a solver that does not exist or is not installed; ``"auto"`` always passes.
+
+    Raises
+    ------
+    ParameterError
+        If there is no solver of this name.
+    SolverNotInstalledError
+        If it is not installed; the message says what brings it.
+    """
+    if name == "auto":
+        return
+    if name not in NAMES:
+        raise ParameterError(f"solver is {name!r}; expected 'auto' or one of {', '.join(NAMES)}")
+    if not installed(name):
+        solver = _SOLVERS[name]
+        extra = f"[{solver.extra}]" if solver.extra else ""
+        raise SolverNotInstalledError(
+            f"solver {name!r} needs {solver.needs}, which is not installed: "
+            f"pip install 'posflock-robotarium{extra}'"
+        )
+
+
+@cache
+def installed(name: str) -> bool:
+    """Whether a solver's library can be imported."""
+    try:
+        return find_spec(_SOLVERS[name].needs) is not None
+    except ImportError:
+        return False
+
+
+def choose(name: str, size: int) -> str:
+    """Return the solver named, or for ``"auto"`` the best there is for so many unknowns."""
+    if name != "auto":
+        return name
+    order = _SMALL_FIRST if size < LARGE else _LARGE_FIRST
+    return next(name for name in order if installed(name))
+
+
+def confirm(asked: Iterable[str], size: int) -> str | None:
+    """Return who is asked next where the solvers asked so far find no point that satisfies all."""
+    order = ("nnls",) if size < LARGE else _CONFIRM_LARGE
+    return next((name for name in order if name not in asked and installed(name)), None)
+
+
+@cache
+def load(name: str) -> Solve:
+    """Return the ``solve`` of a solver, importing it now."""
+    check(name)
+    return _SOLVERS[name].load()
+
+
+def solve(
+    name: str, rows: Rows, which: IntArray, target: FloatArray, options: Mapping[str, float]
+) -> FloatArray | None:
+    """Ask the solver named; see `Solve`.
+
+    Raises
+    ------
+    ParameterError
+        If the options are not what this solver takes; the message has its own words.
+    """
+    if not options:
+        return load(name)(rows, which, target, options)
+    try:
+        return load(name)(rows, which, target, options)
+    except (AttributeError, TypeError, ValueError) as error:
+        raise ParameterError(
+            f"options of solver {name!r} are {dict(options)}; expected its own, by its own names: "
+            f"{str(error).splitlines()[0]}"
+        ) from error
