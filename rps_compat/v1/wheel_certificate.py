@@ -12,10 +12,10 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from barrier_certificates.rows import WheelDisturbance
+from barrier_certificates.differential_drive import DifferentialDrive
+from barrier_certificates.unicycle import UnicycleCertificate
 from rps_compat import certificates, deviations
 from rps_compat.arguments import NumberError, matrix, scalar
-from rps_compat.certificates import PointCertificate, UnicycleCertificate
 from rps_compat.kinematics import Array
 from rps_compat.placement import CrowdedError
 
@@ -76,18 +76,28 @@ def robust_wheels(
         scalar("safety_radius", safety_radius)
         if wheel_radius == 0:
             raise np.linalg.LinAlgError("wheel_radius is 0: such wheels move nothing")
-        robot = abs(wheel_radius), abs(base_length), abs(projection_distance)
-        points = PointCertificate(
-            safety_radius,
+        one_rad = DifferentialDrive(
+            projection_distance=abs(projection_distance),
+            speed_limit=None,
+            wheel_limit=1.0,
+            wheel_radius=abs(wheel_radius),
+            base_length=abs(base_length),
+        ).polygon()
+        assert one_rad is not None
+        return UnicycleCertificate(
+            abs(safety_radius),
             barrier_gain,
-            walls=certificates.boundary(walls[0]) if walls else None,
-            limits=certificates.wheel_box(wheel_vel_limit, *robot),
-            disturbance=WheelDisturbance(
-                abs(disturbance * wheel_radius),
-                abs(2.0 * disturbance * wheel_radius * projection_distance / base_length),
-            ),
+            boundary=certificates.boundary(walls[0]) if walls else None,
+            wall_margin=safety_radius / 2,
+            obstacle_margin=abs(safety_radius),
+            limits=certificates.times(wheel_vel_limit, one_rad, turning=True),
+            projection_distance=projection_distance,
+            wheel_radius=wheel_radius,
+            base_length=base_length,
+            wheel_disturbance=disturbance,
+            robust_walls=False,
+            checked=False,
         )
-        return UnicycleCertificate(points, projection_distance)
 
     def robust_barriers(dxu: Array, x: Array, obstacles: Array = NOTHING) -> Array:
         if published and deviations.as_published(published):
@@ -103,7 +113,8 @@ def robust_wheels(
                 f"{dxu.shape[1]} robots, but max_num_robots is {max_num_robots}: create the "
                 "certificate for more"
             )
-        return certificate()(dxu, x[:3], _obstacles(obstacles, max_num_obstacles))[0]
+        points = _obstacles(obstacles, max_num_obstacles)
+        return certificates.certify(certificate(), dxu, x[:3], points)[0]
 
     return robust_barriers
 

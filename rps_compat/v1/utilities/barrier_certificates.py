@@ -12,10 +12,11 @@ from typing import Any
 import numpy as np
 from numpy import dot
 
+from barrier_certificates.single_integrator import SingleIntegratorCertificate
 from rps_compat import certificates, deviations, kinematics
 from rps_compat.arguments import NumberError, number
 from rps_compat.arguments import matrix as require_matrix
-from rps_compat.certificates import PointCertificate, UnicycleCertificate
+from rps_compat.certificates import PointsAhead
 from rps_compat.deferred import comb, matrix, qp, sparse
 from rps_compat.kinematics import HALF_TURN, Array
 from rps_compat.v1.utilities.transformations import (
@@ -288,9 +289,9 @@ def _single_integrator(
     number("magnitude_limit", magnitude_limit, above=0, most=TOP_SPEED)
 
     @cache
-    def certificate() -> PointCertificate:
+    def certificate() -> SingleIntegratorCertificate:
         boundary = certificates.boundary(walls[0]) if walls else None
-        return PointCertificate(
+        return certificates.points_apart(
             safety_radius, barrier_gain, unsafe_gain=unsafe_gain, walls=boundary
         )
 
@@ -309,7 +310,7 @@ def _single_integrator(
         certificates.require_finite("x", x)
         if dxi.shape[1] == 0:
             return wanted
-        return safe_velocities(wanted, x.astype(float))[0]
+        return certificates.certify(safe_velocities, wanted, x.astype(float))[0]
 
     return f
 
@@ -330,15 +331,15 @@ def _unicycle(
         magnitude_limit = TOP_SPEED
 
     @cache
-    def certificate() -> UnicycleCertificate:
+    def certificate() -> PointsAhead:
         boundary = certificates.boundary(walls[0]) if walls else None
-        points = PointCertificate(
+        points = certificates.points_apart(
             safety_radius + projection_distance,
             barrier_gain,
             unsafe_gain=unsafe_gain,
             walls=boundary,
         )
-        return UnicycleCertificate(
+        return PointsAhead(
             points, projection_distance, speed_limit=magnitude_limit, turn_rate_limit=HALF_TURN
         )
 

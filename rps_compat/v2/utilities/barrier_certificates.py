@@ -13,10 +13,11 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from barrier_certificates.single_integrator import SingleIntegratorCertificate
 from rps_compat import certificates, deviations
 from rps_compat.arguments import NumberError, number, scalar
 from rps_compat.arguments import matrix as require_matrix
-from rps_compat.certificates import NotFiniteError, PointCertificate, UnicycleCertificate
+from rps_compat.certificates import NotFiniteError, PointsAhead
 from rps_compat.deferred import matrix, qp, sparse
 from rps_compat.kinematics import Array
 from rps_compat.v2.utilities.transformations import (
@@ -187,7 +188,7 @@ def _single_integrator(
             return dxi
         if not _finite(dxi, x[:2]):
             return np.zeros(dxi.shape)
-        safe, info = certificate()(dxi.astype(float), x[:2].astype(float))
+        safe, info = certificates.certify(certificate(), dxi.astype(float), x[:2].astype(float))
         return dxi if dxi.shape[1] == 1 and info.status == "trivial" else safe
 
     return barrier_certificate
@@ -203,11 +204,11 @@ def _unicycle(
     number("projection_distance", projection_distance, above=0)
 
     @cache
-    def certificate() -> UnicycleCertificate:
+    def certificate() -> PointsAhead:
         scalar("safety_radius", safety_radius)
         radius = safety_radius + 2 * projection_distance
         points = _point_certificate(radius, barrier_gain, velocity_magnitude_limit, walls)()
-        return UnicycleCertificate(points, projection_distance)
+        return PointsAhead(points, projection_distance)
 
     def barrier_unicycle(dxu: Array, x: Array, obstacles: Array | None = None) -> Array:
         require_matrix("dxu", dxu, 2)
@@ -230,16 +231,16 @@ def _unicycle(
 
 def _point_certificate(
     radius: Any, gain: Any, limit: Any, walls: Any
-) -> Callable[[], PointCertificate]:
+) -> Callable[[], SingleIntegratorCertificate]:
     """Defer the certificate to its first use, where wrong parameters are reported."""
 
     @cache
-    def build() -> PointCertificate:
+    def build() -> SingleIntegratorCertificate:
         scalar("safety_radius", radius)
         scalar("barrier_gain", gain)
         scalar("velocity_magnitude_limit", limit)
         lopsided = walls is None and deviations.as_published("speed limit towards +x")
-        return PointCertificate(
+        return certificates.points_apart(
             radius,
             gain,
             walls=None if walls is None else certificates.boundary(walls),
