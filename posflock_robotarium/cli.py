@@ -7,7 +7,6 @@ import typer
 from posflock_robotarium import __version__
 from posflock_robotarium.commands import bundle, calibrate, paper, report, run, sweep, verify
 from posflock_robotarium.errors import PosflockError
-from rps_compat.errors import RobotariumError
 
 app = typer.Typer(
     name="posflock",
@@ -62,6 +61,6 @@ def main() -> None:
     """Run the command line; an error the user can mend is one plain line and exit code 2."""
     try:
         app()
-    except (PosflockError, RobotariumError) as error:
+    except PosflockError as error:
         typer.echo(f"posflock: {error}", err=True)
         sys.exit(2)

@@ -1,8 +1,8 @@
-"""The errors a user can make, all under one name so that one ``except`` catches them."""
+"""The errors a user can make, all under the one root of this distribution."""
 
+from barrier_certificates.certificate_errors import PosflockError
 
-class PosflockError(Exception):
-    """Something the caller can mend: the message says what was got and what was expected."""
+__all__ = ["LogError", "OutputError", "ParameterError", "PosflockError"]
 
 
 class ParameterError(PosflockError, ValueError):

@@ -8,7 +8,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import get_args
 
-from rps_compat.errors import RobotariumError
+from barrier_certificates.certificate_errors import PosflockError
 from rps_compat.install import import_path
 from rps_compat.runner import OpenRecorder, RunSettings, run_script, snapshot_times, summary
 from rps_compat.session import Initial
@@ -83,6 +83,6 @@ def main(words: Sequence[str] | None = None) -> int:
 if __name__ == "__main__":
     try:
         sys.exit(main())
-    except RobotariumError as error:
+    except PosflockError as error:
         print(f"rps_compat: {error}", file=sys.stderr)
         sys.exit(2)

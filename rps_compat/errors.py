@@ -2,11 +2,14 @@
 
 Every class also derives from the exception that the published simulators raise in the same place
 (``AssertionError``, ``ValueError``, ``IndexError``), so that a script that catches theirs catches
-ours; ``except RobotariumError`` catches them all.
+ours; ``except RobotariumError`` catches them all, and ``except PosflockError`` whatever else this
+distribution raises besides.
 """
 
+from barrier_certificates.certificate_errors import PosflockError
 
-class RobotariumError(Exception):
+
+class RobotariumError(PosflockError):
     """A mistake of the script: the message says what was got, what was expected, what to do."""
 
 

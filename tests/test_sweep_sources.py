@@ -127,7 +127,7 @@ def test_the_sources_of_an_experiment_are_all_that_decides_it():
         assert f"{ours}.{name}" in found["freespace"]
     robots = {f"{ours}.{name}" for name in ("law", "flock", "placement", "summary", "trial")}
     robots |= {f"rps_compat.{name}" for name in ("arena", "realism", "profiles", "draws")}
-    robots |= {f"barrier_certificates.{name}" for name in ("unicycle", "projection", "pairs")}
+    robots |= {f"barrier_certificates.{name}" for name in ("unicycle", "rows", "rows.pairs")}
     assert robots <= found["robots"]
     # What only keeps books or draws may change without costing anyone a night of computing.
     for name in ("sweep.store", "sweep.results", "drawing", "cli"):

@@ -61,32 +61,27 @@ def run(
     import contextlib
     import sys
 
-    from posflock_robotarium.errors import ParameterError
     from posflock_robotarium.recording import open_pose_log
-    from rps_compat.errors import RobotariumError
     from rps_compat.profiles import load_profile
     from rps_compat.runner import RunSettings, run_script, snapshot_times, summary
 
-    try:
-        settings = RunSettings(
-            api=None if api == 0 else (1 if api == 1 else 2),
-            headless=headless,
-            initial=initial,  # type: ignore[arg-type]  # checked by the session
-            seed=seed,
-            realism=load_profile(realism).start,
-            timeout=timeout,
-            answers=answer or (),
-            out=out or Path("runs") / script.stem,
-            snapshots=snapshot_times(snapshot),
-            video=video,
-            recorder=open_pose_log,
-            tell=lambda note: typer.echo(f"{script}: {note}", err=True),
-        )
-        # With --json the report alone is on stdout, for programs; the script talks on stderr.
-        with contextlib.redirect_stdout(sys.stderr) if as_json else contextlib.nullcontext():
-            result = run_script(script, context.args, settings)
-    except RobotariumError as error:
-        raise ParameterError(str(error)) from error
+    settings = RunSettings(
+        api=None if api == 0 else (1 if api == 1 else 2),
+        headless=headless,
+        initial=initial,  # type: ignore[arg-type]  # checked by the session
+        seed=seed,
+        realism=load_profile(realism).start,
+        timeout=timeout,
+        answers=answer or (),
+        out=out or Path("runs") / script.stem,
+        snapshots=snapshot_times(snapshot),
+        video=video,
+        recorder=open_pose_log,
+        tell=lambda note: typer.echo(f"{script}: {note}", err=True),
+    )
+    # With --json the report alone is on stdout, for programs; the script talks on stderr.
+    with contextlib.redirect_stdout(sys.stderr) if as_json else contextlib.nullcontext():
+        result = run_script(script, context.args, settings)
     typer.echo(result.as_json() if as_json else summary(result))
     raise typer.Exit(result.exit_code)
 
@@ -117,15 +112,11 @@ def lint(
     from dataclasses import asdict
 
     from posflock_robotarium.errors import OutputError, ParameterError
-    from rps_compat.errors import RobotariumError
     from rps_compat.lint import lint_script, rewritten
 
     if to == 1:
         raise ParameterError("--to 1: scripts are rewritten for generation 2 only")
-    try:
-        source, findings = lint_script(script)
-    except RobotariumError as error:
-        raise ParameterError(str(error)) from error
+    source, findings = lint_script(script)
     if as_json:
         typer.echo(json.dumps([asdict(finding) for finding in findings], indent=1))
     else:

@@ -105,7 +105,10 @@ def sources(*roots: Path) -> dict[str, Path]:
         found[name] = path
         package = name if path.name == "__init__.py" else name.rpartition(".")[0]
         for statement in imports(parse(path), package):
-            asked = [statement.module, *(f"{statement.module}.{n}" for n in statement.names)]
+            parts = statement.module.split(".")
+            # Packages on the way run too.
+            asked = [".".join(parts[: k + 1]) for k in range(len(parts))]
+            asked += [f"{statement.module}.{n}" for n in statement.names]
             queue += [(n, file, beside) for n in asked for file in _files(n, beside)]
     return found
 

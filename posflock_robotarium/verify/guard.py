@@ -13,6 +13,8 @@ from collections.abc import Callable
 from types import FrameType
 from typing import Any
 
+from posflock_robotarium.errors import PosflockError
+
 _WRITE_FLAGS = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_TRUNC
 _PATH_EVENTS = frozenset(
     [
@@ -45,7 +47,7 @@ _NETWORK_EVENTS = frozenset(
 )
 
 
-class ForbiddenError(PermissionError):
+class ForbiddenError(PosflockError, PermissionError):
     """The script tried what it must not do; the deed is on record."""
 
 
