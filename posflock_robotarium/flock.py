@@ -30,7 +30,7 @@ the certificate and nothing else.
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -56,52 +56,15 @@ WALLS = {
 }
 
 
-@dataclass(frozen=True)
-class WheelParameters:
-    """The robots and the arena they are in.
-
-    Attributes
-    ----------
-    projection_distance : float
-        d, metres ahead of the axle.
-    speed_limit, turn_rate_limit : float
-        |v| in m/s and |ω| in rad/s (paper, Section "Experiment").
-    wheel_limit, wheel_radius, base_length : float
-        rad/s, metres, metres (GRITSBot X).
-    safety_radius : float
-        Least distance between projection points, metres: 0.17 m between centres and d on
-        either side.
-    barrier_gain : float
-        γ of the certificate.
-    wall_margin : float
-        Least distance of a projection point from a wall, metres.
-    arena : (4,) tuple
-        Least x, greatest x, least y, greatest y, metres.
-
-    Raises
-    ------
-    ParameterError
-        Where a value is not finite and positive, or the arena is inside out.
-    """
-
-    projection_distance: float = 0.05
-    speed_limit: float = 0.15
-    turn_rate_limit: float = 0.55
-    wheel_limit: float = 12.5
-    wheel_radius: float = 0.016
-    base_length: float = 0.105
-    safety_radius: float = 0.27
-    barrier_gain: float = 100.0
-    wall_margin: float = 0.11
-    arena: tuple[float, float, float, float] = (-1.6, 1.6, -1.0, 1.0)
-
-    def __post_init__(self) -> None:
-        _all_positive(self, except_for=("arena",))
-        left, right, bottom, top = self.arena
-        if not (left < right and bottom < top):
-            raise ParameterError(
-                f"arena: expected (least x, greatest x, least y, greatest y), got {self.arena}"
-            )
+#: The robots of the paper's experiment in their arena, and what keeps them apart: 0.17 m between
+#: centres, and a projection distance on either side; limits as in its Section "Experiment".
+EXPERIMENT_CERTIFICATE = UnicycleCertificate(
+    safety_radius=0.27,
+    boundary=(-1.6, 1.6, -1.0, 1.0),
+    wall_margin=0.11,
+    speed_limit=0.15,
+    turn_rate_limit=0.55,
+)
 
 
 @dataclass(frozen=True)
@@ -141,17 +104,17 @@ class FlockStep:
         v in m/s and ω in rad/s, for ``set_velocities``.
     status : str
         What the certificate said: trivial, optimal, relaxed or failed.
-    moved : float
-        How far it moved a robot's velocity at most, m/s.
+    intervention : float
+        How far it changed a robot's velocity at most, m/s.
     smallest_h : float
-        Its smallest barrier value: m² where a pair has it, m where a wall has.
+        The barrier of what is nearest to being unsafe: m² for a pair, m for a wall.
     turning : float
         By how much arena steering turned the common velocity in this step, rad.
     """
 
     command: Floats
     status: str
-    moved: float
+    intervention: float
     smallest_h: float
     turning: float
 
@@ -160,7 +123,7 @@ class FlockStep:
         return {
             "command": self.command,
             "status": self.status,
-            "moved": self.moved,
+            "moved": self.intervention,
             "smallest_h": self.smallest_h,
         }
 
@@ -177,8 +140,10 @@ class Flock:
     walls : {"steer", "certificate"}
         Whether the flock is steered away from walls, or the paper's law is left alone with
         the certificate.
-    wheels, steering, filtering : WheelParameters, SteeringParameters, PoseFilterParameters
-        The robots; how to steer; how far tracked poses are believed.
+    certificate : UnicycleCertificate, optional
+        The robots and their arena, a rectangle; the flock asks a copy of its own.
+    steering, filtering : SteeringParameters, PoseFilterParameters
+        How to steer; how far tracked poses are believed.
 
     Raises
     ------
@@ -199,7 +164,7 @@ class Flock:
         law: LawParameters = PAPER_EXPERIMENT,
         time_step: float = 0.033,
         walls: str = "steer",
-        wheels: WheelParameters | None = None,
+        certificate: UnicycleCertificate = EXPERIMENT_CERTIFICATE,
         steering: SteeringParameters | None = None,
         filtering: PoseFilterParameters | None = None,
     ) -> None:
@@ -210,21 +175,11 @@ class Flock:
         self.law = law
         self.time_step = time_step
         self.walls = walls
-        self.wheels = wheels or WheelParameters()
         self.steering = steering or SteeringParameters()
         self.filter = PoseFilter(filtering or PoseFilterParameters(), time_step)
-        self.certificate = UnicycleCertificate(
-            safety_radius=self.wheels.safety_radius,
-            barrier_gain=self.wheels.barrier_gain,
-            projection_distance=self.wheels.projection_distance,
-            boundary=self.wheels.arena,
-            wall_margin=self.wheels.wall_margin,
-            speed_limit=self.wheels.speed_limit,
-            turn_rate_limit=self.wheels.turn_rate_limit,
-            wheel_limit=self.wheels.wheel_limit,
-            wheel_radius=self.wheels.wheel_radius,
-            base_length=self.wheels.base_length,
-        )
+        self.certificate = replace(certificate)  # with a memory of its own
+        self._limits = _speed_limits(certificate)
+        self._arena, self._margin = _arena(certificate)
         self.reset()
 
     def reset(self) -> None:
@@ -243,11 +198,11 @@ class Flock:
             "law": self.law.as_dict(),
             "time_step": self.time_step,
             "walls": self.walls,
-            "wheels": asdict(self.wheels),
+            "wheels": asdict(self.certificate),
             "steering": asdict(self.steering) if self.walls == "steer" else None,
             "filtering": asdict(self.filter.parameters),
             "neighbour_radius": self.law.as_dict()["radius"],
-            "arena": list(self.wheels.arena),
+            "arena": list(self._arena),
         }
 
     def steps_in(self, duration: float) -> int:
@@ -280,7 +235,7 @@ class Flock:
         x = self.filter.update(self._checked(poses))
         ahead = np.array([np.cos(x[2]), np.sin(x[2])])
         beside = np.array([-ahead[1], ahead[0]])
-        d = self.wheels.projection_distance
+        d = self.certificate.projection_distance
         points = x[:2] + d * ahead
         if self._imprint is None or self._velocity is None:
             self._imprint = displacements(points)
@@ -301,10 +256,8 @@ class Flock:
         w = saturate(w + self.time_step * u, self.law.speed_limit)
 
         forward, sideways = (w * ahead).sum(axis=0), (w * beside).sum(axis=0)
-        excess = np.maximum(
-            np.abs(forward) / self.wheels.speed_limit,
-            np.abs(sideways) / (d * self.wheels.turn_rate_limit),
-        )
+        fastest, widest = self._limits
+        excess = np.maximum(np.abs(forward) / fastest, np.abs(sideways) / widest)
         applied, info = self.certificate.project(w / np.maximum(1.0, excess), x)
         self._velocity = applied
         command = np.array([(applied * ahead).sum(axis=0), (applied * beside).sum(axis=0) / d])
@@ -312,17 +265,17 @@ class Flock:
         return FlockStep(
             command=command,
             status=info.status,
-            moved=info.intervention,
+            intervention=info.intervention,
             smallest_h=info.smallest_h,
             turning=turning,
         )
 
     def _turning(self, points: Floats, velocity: Floats) -> float:
         """Return by how much to turn the common velocity now, rad, away from near walls."""
-        left, right, bottom, top = self.wheels.arena
+        left, right, bottom, top = self._arena
         x, y = points
         gaps = np.array([x.min() - left, right - x.max(), y.min() - bottom, top - y.max()])
-        call = np.maximum(0.0, self.steering.reach - (gaps - self.wheels.wall_margin))
+        call = np.maximum(0.0, self.steering.reach - (gaps - self._margin))
         inward = (call[0] - call[1], call[2] - call[3])
         common = velocity.mean(axis=1)
         along = common[0] * inward[0] + common[1] * inward[1]
@@ -368,6 +321,30 @@ def _turned(common: Floats, angle: float) -> Floats:
             [sine * common[0] + cosine * common[1]],
         ]
     )
+
+
+def _speed_limits(certificate: UnicycleCertificate) -> tuple[float, float]:
+    """Return how fast a projection point moves ahead and sideways at most, m/s."""
+    if certificate.speed_limit is None or certificate.turn_rate_limit is None:
+        raise ParameterError(
+            "certificate: expected a speed_limit and a turn_rate_limit, which virtual velocities"
+            f" are scaled to; got {certificate.speed_limit} and {certificate.turn_rate_limit}"
+        )
+    return (
+        certificate.speed_limit,
+        certificate.projection_distance * certificate.turn_rate_limit,
+    )
+
+
+def _arena(certificate: UnicycleCertificate) -> tuple[tuple[float, float, float, float], float]:
+    """Return the arena and how far inside it projection points stay, m."""
+    boundary, margin = certificate.boundary, certificate.wall_margin
+    if boundary is None or len(boundary) != 4 or margin is None:
+        raise ParameterError(
+            "certificate: expected a boundary (least x, greatest x, least y, greatest y) and a"
+            f" wall_margin, which the flock is steered by; got {boundary} and {margin}"
+        )
+    return boundary, margin
 
 
 def _all_positive(parameters: Any, except_for: tuple[str, ...]) -> None:

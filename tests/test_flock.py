@@ -2,13 +2,14 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from posflock_robotarium.errors import ParameterError
-from posflock_robotarium.flock import Flock, SteeringParameters, WheelParameters
+from posflock_robotarium.flock import EXPERIMENT_CERTIFICATE, Flock, SteeringParameters
 from posflock_robotarium.placement import random_poses
 from posflock_robotarium.poselog import Log
 from posflock_robotarium.summary import summarise
@@ -83,13 +84,23 @@ def test_parameters_tell_all_that_a_run_needs():
     assert Flock(walls="certificate").parameters()["steering"] is None
 
 
+def flock_of(**changes):
+    return Flock(certificate=replace(EXPERIMENT_CERTIFICATE, **changes))
+
+
+def test_flocks_of_one_certificate_share_no_memory():
+    assert Flock().certificate == Flock().certificate == EXPERIMENT_CERTIFICATE
+    assert Flock().certificate._memory is not EXPERIMENT_CERTIFICATE._memory
+
+
 @pytest.mark.parametrize(
     ("make", "words"),
     [
         (lambda: Flock(walls="bounce"), "walls: expected one of steer, certificate"),
         (lambda: Flock(time_step=0.0), "time_step: expected more than 0 s"),
-        (lambda: WheelParameters(speed_limit=-0.1), "speed_limit: expected finite and more"),
-        (lambda: WheelParameters(arena=(1.6, -1.6, -1.0, 1.0)), "arena: expected"),
+        (lambda: flock_of(turn_rate_limit=None), "certificate: expected a speed_limit and a turn"),
+        (lambda: flock_of(boundary=None), "certificate: expected a boundary .* got None and 0.11"),
+        (lambda: flock_of(wall_margin=None), "certificate: expected .* a wall_margin"),
         (lambda: SteeringParameters(clear=1.0), "clear: expected a cosine"),
         (lambda: SteeringParameters(reach=math.nan), "reach: expected finite"),
         (lambda: Flock().steps_in(math.nan), "duration: expected at least one step"),
