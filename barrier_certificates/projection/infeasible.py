@@ -22,7 +22,8 @@ from barrier_certificates.array_types import FloatArray
 from barrier_certificates.certificate_errors import InfeasibleError
 from barrier_certificates.projection.projection_info import ProjectionInfo
 from barrier_certificates.projection.scaled_program import TOLERANCE, Program
-from barrier_certificates.projection.working_set import BINDS, WorkingSet
+from barrier_certificates.projection.working_set import BINDS, ROUNDS, WorkingSet
+from barrier_certificates.rows.row_set import Rows
 
 Policy = Literal["relax", "stop", "raise"]
 
@@ -44,22 +45,55 @@ def least_broken(program: Program, search: WorkingSet, info: ProjectionInfo) -> 
     (2N,) array or None
         None if the hard limits alone cannot be satisfied, or nobody finds the answer.
     """
-    rows = program.rows
-    softened = rows.softened()
     # A pair cannot part faster than this: asking for more only spoils the conditioning.
-    softened.bound = np.maximum(rows.bound, -math.sqrt(2.0) * program.top_speed)
-    start = np.zeros(softened.size)
-    start[: rows.size] = program.target
-    working = softened.excess(start) > TOLERANCE
-    point = search.solve(start, softened, working, info)
-    if point is None:
-        return None
-    velocity = point[: rows.size]
-    hard = np.isinf(rows.weight)
-    if hard.any() and not float(rows.excess(velocity)[hard].max()) <= TOLERANCE:
-        return None
-    info.binding = (working & (softened.excess(point) > -BINDS)).nonzero()[0]
-    return velocity
+    reachable = np.maximum(program.rows.bound, -math.sqrt(2.0) * program.top_speed)
+    rows = program.rows.with_bound(reachable)
+    tolerance = _tolerance(rows)
+    working = rows.excess(program.target) > TOLERANCE
+    for _ in range(ROUNDS):
+        which = working.nonzero()[0]
+        # The rows left out get no slack: they hold, or are taken up in the next round.
+        softened = rows.take(which).softened()
+        start = np.zeros(softened.size)
+        start[: rows.size] = program.target
+        point = search.solve(start, softened, np.ones(which.shape[0], dtype=bool), info, tolerance)
+        if point is None:
+            return None
+        broken = rows.excess(point[: rows.size]) > tolerance
+        broken[which] = False
+        if not broken.any():
+            info.binding = which[softened.excess(point) > -BINDS]
+            return _within_hard_limits(point[: rows.size], rows)
+        working |= broken
+    return None
+
+
+def _tolerance(rows: Rows) -> float:
+    """Return how far rows of the softened program may be broken: its unknowns are large numbers.
+
+    A slack is as large as the root of its weight times the excess that it stands for.
+    """
+    soft = rows.weight[np.isfinite(rows.weight)]
+    return TOLERANCE * max(1.0, math.sqrt(float(soft.max()))) if soft.shape[0] else TOLERANCE
+
+
+def _within_hard_limits(velocity: FloatArray, rows: Rows) -> FloatArray | None:
+    """Shorten the velocities that break a hard limit by rounding; None if that is not enough.
+
+    Robots may always stop, so a shorter velocity in the same direction keeps every limit.
+    """
+    hard = np.isinf(rows.weight).nonzero()[0]
+    if not hard.shape[0]:
+        return velocity
+    excess, bound = rows.excess(velocity)[hard], rows.bound[hard]
+    over = (excess > 0.0).nonzero()[0]
+    if over.shape[0]:
+        part = np.ones(rows.size // 2)
+        robot = rows.index[0, hard[over]] // 2
+        np.minimum.at(part, robot, np.maximum(bound[over], 0.0) / (excess[over] + bound[over]))
+        velocity = velocity * np.repeat(part, 2)
+        excess = rows.excess(velocity)[hard]
+    return velocity if float(excess.max()) <= TOLERANCE else None
 
 
 def furthest_from_holding(program: Program) -> InfeasibleError:

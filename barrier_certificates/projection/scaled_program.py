@@ -65,7 +65,7 @@ class Program(NamedTuple):
             return self
         return Program(
             self.target / largest,
-            self.rows.in_unit(largest),
+            self.rows.with_bound(self.rows.bound / largest),
             self.excess / largest,
             self.top_speed / largest,
             largest * self.unit,

@@ -23,7 +23,7 @@ from barrier_certificates.rows.row_set import Rows
 from barrier_certificates.solvers.active_set import guess
 
 _GUESSES = 8
-_ROUNDS = 50
+ROUNDS = 50
 BINDS = 1e-7
 """A row this close to its bound is reported as binding, in the unit of the program."""
 
@@ -77,7 +77,12 @@ class WorkingSet:
         return point
 
     def solve(
-        self, target: FloatArray, rows: Rows, working: BoolArray, info: ProjectionInfo
+        self,
+        target: FloatArray,
+        rows: Rows,
+        working: BoolArray,
+        info: ProjectionInfo,
+        tolerance: float = TOLERANCE,
     ) -> FloatArray | None:
         """Solve for the working rows, add those that are broken, until none is.
 
@@ -86,13 +91,13 @@ class WorkingSet:
         """
         name = solvers.choose(self.solver, rows.size)
         asked = [name]
-        for _ in range(_ROUNDS):
+        for _ in range(ROUNDS):
             which = working.nonzero()[0]
             info.iterations += 1
             info.solver = name
             options = self.options if name == self.solver else {}
             point = solvers.solve(name, rows, which, target, options)
-            broken = None if point is None else rows.excess(point) > TOLERANCE
+            broken = None if point is None else rows.excess(point) > tolerance
             if broken is None or broken[which].any():
                 second = solvers.confirm(asked, rows.size)
                 if second is None:

@@ -134,12 +134,12 @@ class Rows:
             lambda row: self.label(int(which[row])),
         )
 
-    def in_unit(self, speed: float) -> Rows:
-        """Return the same rows for velocities in units of ``speed`` (m/s); arrays are shared."""
+    def with_bound(self, bound: FloatArray) -> Rows:
+        """Return the same rows with other right-hand sides (m,); all other arrays are shared."""
         rows = Rows(
             self.index,
             self.coefficient,
-            self.bound / speed,
+            bound,
             self.size,
             self.weight,
             self.label,
