@@ -20,6 +20,7 @@ from barrier_certificates.rows.row_set import Rows
 
 _NO_RESIDUAL = 1e-9
 _BROKEN = 1e-10  # m/s
+_ROUNDING = 1e-12  # of unknowns that are large numbers, as slacks are
 # Where rows depend on each other, scipy's routine can stop short of the optimum, silently and by a
 # lot. The last row of E can be scaled at will (z then comes out scaled), and another scale takes
 # another path; whether the rows hold tells. In units of the largest excess.
@@ -66,7 +67,8 @@ def solve(
         if math.sqrt(residual @ residual) < _NO_RESIDUAL or residual[-1] == 0.0:
             return None
         point = target - residual[:-1] * (scale / residual[-1])
-        if (matrix @ point - bound).max() <= max(_BROKEN, 1e-14 * worst):
+        broken = float((matrix @ point - bound).max())
+        if broken <= _BROKEN or broken <= max(1e-14 * worst, _ROUNDING * np.abs(point).max()):
             return point
     np.divide(excess, worst, out=system[-1])
     residual = system @ _bounded(system, aim) - aim
