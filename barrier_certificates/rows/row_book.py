@@ -136,7 +136,8 @@ class RowBook:
             weight[start:stop] = family.weight
             section = (coefficient[:, start:stop], bound[start:stop])
             family.prepare(number, *section)
-            self._sections.append((family, start, *section))
+            if stop > start:
+                self._sections.append((family, start, *section))
             start = stop
         if self.pairs is not None:
             weight[start:] = self.pairs.weight
@@ -188,7 +189,7 @@ class RowBook:
 def _nearer(nearest: Barrier, found: Barrier, start: int) -> Barrier:
     """Return which barrier has less clearance; the rows of the one found begin at ``start``."""
     if found.clearance < nearest.clearance - _TIE:
-        return found._replace(row=start + found.row)
+        return Barrier(found.h, found.clearance, start + found.row)
     return nearest
 
 
