@@ -17,9 +17,10 @@ field of a row          type          meaning
 ``command``             (2, N)        v in m/s and ω in rad/s, as sent after reading
 ``status``              string        what the certificate said: trivial, optimal,
                                       relaxed, failed, or none without a certificate
-``moved``               float64       how far it moved a robot's velocity at most, m/s
-``smallest_h``          float64       its smallest barrier value: m² of a pair, m of a wall
-                                      (NaN without a certificate)
+``moved``               float64       its intervention: how far it changed a velocity at most,
+                                      m/s
+``smallest_h``          float64       barrier value of what is nearest to being unsafe: m² of a
+                                      pair, m of a wall (NaN without a certificate)
 ======================  ============  ====================================================
 """
 
@@ -148,7 +149,7 @@ class PoseLog:
         status : str
             What the certificate said.
         moved, smallest_h : float
-            How far it moved a velocity at most (m/s); its smallest barrier value.
+            Its intervention (m/s); the barrier value of what is nearest to being unsafe.
         """
         if self.rows == len(self._map):
             self._grow()

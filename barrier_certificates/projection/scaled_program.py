@@ -7,9 +7,9 @@ answer holds, the best one is refused, and a state that has a safe velocity pass
 none. The program is the same in any unit. So it is solved in one of its own: bounds and command are
 divided by a speed, the answer is multiplied by it.
 
-That speed is the largest excess of a row at the command, which is how far the command is moved at
-least; but no more than the top speed of the robots, which no answer exceeds. Up to 10 m/s the unit
-is 1 m/s, so that nothing changes for robots.
+That speed is the largest excess of a row at the command, since no answer is nearer to the command
+than that; but no more than the top speed of the robots, since no answer is faster. Up to 10 m/s the
+unit is 1 m/s, so that nothing changes for robots.
 """
 
 from __future__ import annotations

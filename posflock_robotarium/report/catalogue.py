@@ -196,16 +196,16 @@ QUANTITIES: tuple[Quantity, ...] = (
     ),
     Quantity(
         "moved",
-        "velocity moved by the certificate",
+        "intervention of the certificate",
         "m/s",
-        "How far the safety certificate moved a robot's velocity, at most.",
+        "How far the safety certificate changed a robot's velocity, at most.",
         "largest",
     ),
     Quantity(
         "smallest_h",
         "smallest barrier value",
         "m²",
-        "Smallest barrier value that the certificate saw; negative where a safe set was left.",
+        "Barrier value of what was nearest to being unsafe; negative where a safe set was left.",
         "smallest",
     ),
 )

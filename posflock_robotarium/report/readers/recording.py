@@ -49,9 +49,9 @@ class Recording:
     command : ndarray, shape (T, 2, N), optional
         Commanded linear (m/s) and angular (rad/s) velocity.
     moved : ndarray, shape (T,), optional
-        How far the certificate moved the velocities at each step (m/s).
+        Intervention of the certificate: how far it changed a velocity at most, each step (m/s).
     smallest_h : ndarray, shape (T,), optional
-        Smallest barrier value at each step.
+        Barrier value of what was nearest to being unsafe, each step.
     status : ndarray of str, shape (T,), optional
         What the certificate answered at each step.
     parameters : mapping
