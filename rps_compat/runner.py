@@ -10,31 +10,27 @@ Ctrl-C or by the time limit, the log is closed and a report written.
 import contextlib
 import json
 import math
-import os
-import random
 import runpy
 import sys
 import traceback
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, Protocol
-
-import numpy as np
 
 from rps_compat.arena import Arena, Array, Realism
 from rps_compat.clock import SimulatedClock
 from rps_compat.errors import RobotariumError, ScriptError
 from rps_compat.film import Film
 from rps_compat.generations import Evidence, evidence_in
-from rps_compat.install import Api, install, installed, uninstall
+from rps_compat.install import Api
 from rps_compat.old_numpy import old_numpy_names
+from rps_compat.process_state import hiding_notes, process_state
 from rps_compat.report import RunReport, report_on
 from rps_compat.session import Initial, Session
 from rps_compat.surroundings import (
     OutOfTime,
     answering,
-    forget_modules_of,
     has_display,
     headless_matplotlib,
     time_limit,
@@ -293,7 +289,10 @@ class _Run:
             wait=False if self.headless else None,
         )
         with contextlib.ExitStack() as around:
-            around.enter_context(self._process_state())
+            names = around.enter_context(
+                process_state(self.script, self.arguments, self.api, settings.seed)
+            )
+            self._tell(hiding_notes(names))
             around.enter_context(session.active())
             around.enter_context(old_numpy_names())
             if self.headless:
@@ -302,7 +301,15 @@ class _Run:
                 around.enter_context(answering(settings.answers))
             ended, reason, exit_code = self._execute()
             self.film.end(self.watches[0].instance if self.watches else None)
+            self.notes += [note for note in hiding_notes(names) if note not in self.notes]
         return self._finish(ended, reason, exit_code)
+
+    def _tell(self, notes: list[str]) -> None:
+        """Tell notes before the script starts, and keep them."""
+        self.notes += notes
+        if self.settings.tell is not None:
+            for note in notes:
+                self.settings.tell(note)
 
     def _watch(self, robots: int) -> _Watch:
         log = None
@@ -320,30 +327,6 @@ class _Run:
         watch = instance._arena.recorder
         if isinstance(watch, _Watch):
             watch.instance = instance
-
-    @contextlib.contextmanager
-    def _process_state(self) -> Iterator[None]:
-        """Be where the script expects to be, and leave the process as it was."""
-        folder, argv, path = Path.cwd(), sys.argv, list(sys.path)
-        bytecode, api, modules = sys.dont_write_bytecode, installed(), set(sys.modules)
-        randomness = random.getstate(), np.random.get_state()  # noqa: NPY002
-        os.chdir(self.script.parent)
-        sys.argv = [str(self.script), *self.arguments]
-        sys.path.insert(0, str(self.script.parent))
-        sys.dont_write_bytecode = True  # the script's folder is not ours to write to
-        install(self.api)
-        if self.settings.seed is not None:
-            random.seed(self.settings.seed)
-            np.random.seed(self.settings.seed % 2**32)  # noqa: NPY002 - what scripts draw from
-        try:
-            yield
-        finally:
-            os.chdir(folder)
-            sys.argv, sys.path[:], sys.dont_write_bytecode = argv, path, bytecode
-            random.setstate(randomness[0])
-            np.random.set_state(randomness[1])  # noqa: NPY002
-            uninstall() if api is None else install(api)
-            forget_modules_of(self.script.parent, modules)
 
     def _execute(self) -> tuple[Ended, str, int]:
         try:

@@ -12,7 +12,6 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from types import FrameType
 
 from rps_compat.errors import ScriptError
@@ -91,11 +90,3 @@ def time_limit(seconds: float | None) -> Iterator[None]:
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
-
-
-def forget_modules_of(folder: Path, known: set[str]) -> None:
-    """Drop modules that the script imported from its own `folder`: the next script has its own."""
-    for name in set(sys.modules) - known:
-        source = getattr(sys.modules[name], "__file__", None)
-        if source and Path(source).parent == folder:
-            del sys.modules[name]
