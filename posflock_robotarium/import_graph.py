@@ -209,7 +209,7 @@ def trace(script: Path, search: Sequence[Path] = ()) -> Trace:
     script = Path(script).resolve()
     folders = [script.parent, *(Path(folder).resolve() for folder in search)]
     found = Trace(script)
-    seen: set[str] = set()
+    seen: set[tuple[str, Path]] = set()
     refused: set[str] = set()
     queue: list[tuple[Path, str]] = [(script, "")]
     while queue:
@@ -223,20 +223,21 @@ def trace(script: Path, search: Sequence[Path] = ()) -> Trace:
                     refused.add(statement.module)
                     found.missing.append(Missing(statement, path, installed_here=True))
                 continue
-            files = list(_files(statement, folders))
+            # Our own modules mean our own, whatever lies beside the script.
+            files = list(_files(statement, [] if is_ours(package) else folders))
             if not files and not statement.guarded and statement.top not in refused:
                 refused.add(statement.top)
                 here = _spec(statement.top) is not None
                 found.missing.append(Missing(statement, path, installed_here=here))
             for name, file, is_package in files:
-                if name in seen:
+                if (name, file) in seen:
                     continue
                 if statement.lazy and package and not is_package:
                     absent = _absent_library(parse(file), folders)
                     if absent:
                         found.left_out[name] = absent
                         continue
-                seen.add(name)
+                seen.add((name, file))
                 found.locals.append(Local(name, file, is_package, path, statement.line))
                 queue.append((file, name if is_package else name.rpartition(".")[0]))
     return found

@@ -115,9 +115,18 @@ def check_imports(source: Source) -> Iterator[Finding]:
         if missing.statement.top in libraries.NEWER_MODULES:
             continue  # told of as newer than Python 3.10
         yield _missing(source, missing)
+    paths = {local.name: local.path for local in reversed(trace.locals)}
     for local in trace.locals:
         hidden = libraries.shadowed_by(local.name) if "." not in local.name else None
-        if hidden and not local.is_package:
+        if paths[local.name] != local.path:  # of two, the user's is the one that is found there
+            yield Finding(
+                "shadowed-name",
+                Verdict.FAIL,
+                f"{local.name}.py beside the script would hide posflock's own {local.name}, which"
+                f" {local.wanted_by.name} needs",
+                "rename the file beside the script",
+            )
+        elif hidden and not local.is_package:
             yield Finding(
                 "shadowed-name",
                 Verdict.FAIL,
