@@ -10,7 +10,8 @@ from typing import get_args
 
 from rps_compat.errors import RobotariumError
 from rps_compat.install import import_path
-from rps_compat.runner import OpenRecorder, RunSettings, run_script, snapshot_times, summary
+from rps_compat.recording import OpenRecorder
+from rps_compat.runner import RunSettings, run_script, snapshot_times, summary
 from rps_compat.session import Initial
 
 #: Packages offer recorders under this group; the first is used.

@@ -4,6 +4,7 @@ Nothing of the script's may be taken for ours, or for a library that we need. Wh
 is imported before our package itself runs: the package is there without having run yet.
 """
 
+import os
 import sys
 from _frozen_importlib import module_from_spec
 from _frozen_importlib_external import PathFinder
@@ -26,10 +27,17 @@ def arrive(api: int) -> None:
         package.__spec__.loader.exec_module(package)
     package.install(api=api)
     __import__("rps")
-    from rps_compat.process_state import hiding_notes
+    from rps_compat.children import VARIABLE
 
-    for note in hiding_notes(names):
-        print(f"rps: note: {note}", file=sys.stderr)
+    if VARIABLE in os.environ:
+        from rps_compat.children.arrival import join_run
+
+        join_run()
+    elif names.files:
+        from rps_compat.process_state import hiding_notes
+
+        for note in hiding_notes(names):
+            print(f"rps: note: {note}", file=sys.stderr)
 
 
 arrive(api)  # type: ignore[name-defined]  # noqa: F821 - given by who runs this file

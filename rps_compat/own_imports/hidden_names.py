@@ -67,7 +67,9 @@ class HiddenNames:
         self._before: tuple[Any, Any] | None = None
         self._environments: frozenset[str] | None = None
         if folder is None:
-            main = getattr(sys.modules.get("__main__"), "__file__", None)
+            # A process that `multiprocessing` starts has the script under another name.
+            script = sys.modules.get("__mp_main__") or sys.modules.get("__main__")
+            main = getattr(script, "__file__", None)
             folder = os.path.dirname(os.path.abspath(main)) if main else os.getcwd()
         self._seen: set[str] = set()
         self._folder = folder

@@ -1,0 +1,99 @@
+"""What the child processes of a run have left, read when its script has ended."""
+
+import contextlib
+import json
+import os
+import re
+import signal
+from dataclasses import dataclass
+from pathlib import Path
+
+from rps_compat.children.records import Instance, read_record
+from rps_compat.recording import files_of
+from rps_compat.report import RunReport, report_of
+
+
+@dataclass(frozen=True)
+class Children:
+    """What the child processes of a run leave.
+
+    Attributes
+    ----------
+    reports
+        One for each instance, by process and in the order of their making.
+    files
+        Their logs.
+    notes
+        What the reports do not tell.
+    """
+
+    reports: tuple[RunReport, ...] = ()
+    files: tuple[Path, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+def gather(room: Path) -> Children:
+    """Read the records in `room`."""
+    reports: list[RunReport] = []
+    files: list[Path] = []
+    notes: list[str] = []
+    for process in sorted(room.glob("*.process"), key=_in_order):
+        instances = [
+            instance
+            for path in sorted(room.glob(f"{process.stem}-*.instance"), key=_in_order)
+            if (instance := Instance.read(path)).process == process.stem
+        ]
+        for instance in instances:
+            steps, dt, found = read_record(room, instance)
+            reports.append(report_of(instance.robots, steps, dt, found, instance.process))
+            files += files_of(Path(instance.log)) if instance.log else []
+        if any(instance.copied for instance in instances):
+            notes.append(
+                f"{process.stem} drove on a copy of a Robotarium that its parent had made: what "
+                "that had done before is told of both"
+            )
+        note = _note_on(process) if instances else ""
+        notes += [note] if note else []
+    return Children(tuple(reports), tuple(files), tuple(notes))
+
+
+def terminate(room: Path) -> None:
+    """End the processes that have records in `room` and still run."""
+    for process in room.glob("*.process"):
+        if not process.with_suffix(".end").exists() and _is_alive(process):
+            with contextlib.suppress(OSError, ValueError):
+                os.kill(int(process.read_text()), signal.SIGTERM)
+
+
+def _in_order(path: Path) -> list[str | int]:
+    """Sort names with numbers as people do."""
+    return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", path.stem)]
+
+
+def _note_on(process: Path) -> str:
+    """Say what is not known of a child from the record of its process; empty if all is."""
+    try:
+        how, reason = json.loads(process.with_suffix(".end").read_text("utf-8"))
+    except OSError:
+        if _is_alive(process):
+            return (
+                f"{process.stem} still ran when the script had ended: what it did then is not told"
+            )
+        return (
+            f"{process.stem} was killed: what is told of it ends with a step that it may not have "
+            "finished"
+        )
+    return f"{process.stem} {how}: {reason}" if how == "failed" else ""
+
+
+def _is_alive(process: Path) -> bool:
+    """Whether the process of a record still runs."""
+    try:
+        number = int(process.read_text())
+        if hasattr(os, "waitid"):
+            with contextlib.suppress(ChildProcessError):  # not ours, but perhaps a child's
+                return os.waitid(os.P_PID, number, os.WEXITED | os.WNOHANG | os.WNOWAIT) is None
+        os.kill(number, 0)
+    except (OSError, ValueError):
+        return False
+    return True
