@@ -79,7 +79,7 @@ class _WhenImported:
             run(module)
             self._entered.enter_context(self._change())
 
-        loader.exec_module = exec_module
+        loader.exec_module = exec_module  # type: ignore[method-assign]
         return spec
 
 
@@ -88,7 +88,7 @@ def _no_choice_of_backend() -> Iterator[None]:
     import matplotlib as mpl
 
     use = mpl.use
-    mpl.use = lambda *args, **kwargs: None  # type: ignore[assignment]
+    mpl.use = lambda *args, **kwargs: None
     try:
         yield
     finally:

@@ -54,6 +54,7 @@ class Family:
         self._forks = 0
         self._ends: bool | None = None  # False while it does, then True
         self._signal = 0
+        self._errors: list[BaseException] = []
 
     # --- The script's own process --------------------------------------------------------------
 
@@ -176,6 +177,9 @@ class Family:
     def begin_with_work(self) -> None:
         """Begin when `multiprocessing` has told this process who it is, before its work."""
         sys.modules["multiprocessing.util"].register_after_fork(self, Family.begin)
+        # A process that was started afresh says so here alone.
+        context = sys.modules["multiprocessing.context"]
+        context.SpawnProcess._after_fork = staticmethod(self.begin)
 
     def begin(self, candidates: Iterator[names.Name] | None = None) -> None:
         """Take a name, and random numbers of one's own, and be ready for every end.
@@ -202,6 +206,7 @@ class Family:
         )
         os.environ[VARIABLE] = self._plan.text()
         if works:
+            names.keep_error(self._errors)
             sys.modules["multiprocessing.util"].Finalize(None, self._end_of_work, exitpriority=0)
         else:
             atexit.register(self._end_of_script)
@@ -223,7 +228,7 @@ class Family:
         return InstanceRecord(self._room, instance)
 
     def _end_of_work(self) -> None:
-        self.end(*_ending(sys.exc_info()[1]))
+        self.end(*_ending(sys.exc_info()[1] or next(iter(self._errors), None)))
 
     def _end_of_script(self) -> None:
         self.end(*_ending(getattr(sys, "last_value", None)))

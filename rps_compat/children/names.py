@@ -101,6 +101,28 @@ def is_forked_by_multiprocessing() -> bool:
     return name.startswith("multiprocessing.")
 
 
+def keep_error(errors: list[BaseException]) -> None:
+    """Have the error put into `errors` by which the work of `multiprocessing` ends, if one does.
+
+    Before Python 3.13 it can be seen when the process ends, and nothing needs to be done.
+    """
+    process = _multiprocessing()
+    if "_exit_function" in type(process)._bootstrap.__code__.co_names:
+        return
+    work = process.run
+
+    def run() -> None:
+        try:
+            work()
+        except BaseException as error:
+            errors.append(error)
+            if error.__traceback__ is not None:  # the script's traceback does without this line
+                error.__traceback__ = error.__traceback__.tb_next
+            raise
+
+    process.run = run
+
+
 def _multiprocessing() -> Any:
     module = sys.modules.get("multiprocessing.process")
     return None if module is None else module.current_process()
