@@ -114,6 +114,20 @@ def _no_windows() -> Iterator[None]:
 
 
 @contextlib.contextmanager
+def stdout_on_stderr() -> Iterator[None]:
+    """Let everything that is printed go to stderr, by child processes as well."""
+    sys.stdout.flush()
+    stdout = os.dup(1)
+    os.dup2(2, 1)
+    try:
+        with contextlib.redirect_stdout(sys.stderr):
+            yield
+    finally:
+        os.dup2(stdout, 1)
+        os.close(stdout)
+
+
+@contextlib.contextmanager
 def answering(answers: Sequence[str]) -> Iterator[None]:
     """Answer ``input()`` from `answers`, then with empty lines; show what was asked."""
     left, asked = iter(answers), builtins.input

@@ -2,7 +2,6 @@
 
 import atexit
 import contextlib
-import gc
 import json
 import os
 import shutil
@@ -17,6 +16,7 @@ from typing import NoReturn
 
 from rps_compat.children import VARIABLE, names
 from rps_compat.children.gathering import Children, gather, terminate
+from rps_compat.children.leftovers import Leftovers
 from rps_compat.children.plan import Plan
 from rps_compat.children.records import Instance, InstanceRecord
 from rps_compat.install import import_path
@@ -101,39 +101,20 @@ class Family:
         Python does so when it exits: it ends daemons and waits for the others. After Ctrl-C and the
         time limit nobody waits.
         """
+        left = Leftovers()
         try:
             yield
-        except Exception:
-            self._wait()
-            raise
-        except SystemExit:
-            self._wait()
+        except (Exception, SystemExit):
+            if self.is_home:
+                left.wait_for()
             raise
         except BaseException:
-            self._stop()
+            if self.is_home:
+                left.end()
+                terminate(self._room)
             raise
-        self._wait()
-
-    def _wait(self) -> None:
-        multiprocessing = sys.modules.get("multiprocessing")
-        if not self.is_home or multiprocessing is None:
-            return
-        gc.collect()  # pools that nobody holds any more end by that
-        for process in multiprocessing.active_children():
-            if process.daemon:
-                process.terminate()
-        for process in multiprocessing.active_children():
-            process.join()
-
-    def _stop(self) -> None:
-        if not self.is_home:
-            return
-        multiprocessing = sys.modules.get("multiprocessing")
-        if multiprocessing is not None:
-            for process in multiprocessing.active_children():
-                process.terminate()
-                process.join(5)
-        terminate(self._room)
+        if self.is_home:
+            left.wait_for()
 
     # --- A child -------------------------------------------------------------------------------
 

@@ -4,13 +4,18 @@ import contextlib
 import json
 import os
 import re
+import select
 import signal
 from dataclasses import dataclass
 from pathlib import Path
 
+from rps_compat.children.leftovers import GRACE
 from rps_compat.children.records import Instance, read_record
 from rps_compat.recording import files_of
 from rps_compat.report import RunReport, report_of
+
+#: Seconds between two looks at processes that end.
+_LOOK = 0.02
 
 
 @dataclass(frozen=True)
@@ -58,11 +63,19 @@ def gather(room: Path) -> Children:
 
 
 def terminate(room: Path) -> None:
-    """End the processes that have records in `room` and still run."""
-    for process in room.glob("*.process"):
-        if not process.with_suffix(".end").exists() and _is_alive(process):
-            with contextlib.suppress(OSError, ValueError):
-                os.kill(int(process.read_text()), signal.SIGTERM)
+    """End the processes that have records in `room` and still run; let them close these."""
+    ending = [process for process in room.glob("*.process") if _goes_on(process)]
+    for process in ending:
+        with contextlib.suppress(OSError, ValueError):
+            os.kill(int(process.read_text()), signal.SIGTERM)
+    looks = int(GRACE / _LOOK)
+    while looks and any(_goes_on(process) for process in ending):
+        select.select([], [], [], _LOOK)  # waits in real time, whatever `time` does
+        looks -= 1
+
+
+def _goes_on(process: Path) -> bool:
+    return not process.with_suffix(".end").exists() and _is_alive(process)
 
 
 def _in_order(path: Path) -> list[str | int]:
