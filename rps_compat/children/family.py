@@ -20,7 +20,7 @@ from rps_compat.children.leftovers import Leftovers
 from rps_compat.children.plan import Plan
 from rps_compat.children.records import Instance, InstanceRecord
 from rps_compat.install import import_path
-from rps_compat.own_imports import watched_path
+from rps_compat.own_imports import keep_apart
 from rps_compat.recording import Recording
 from rps_compat.session import Session
 
@@ -65,23 +65,22 @@ class Family:
         before, _active = _active, self
         self._plan = replace(self._plan, room=tempfile.mkdtemp(prefix="posflock-run-"))
         environment = {name: os.environ.get(name) for name in ("PYTHONPATH", VARIABLE)}
-        folder = str(import_path(self._plan.api))
+        generation = import_path(self._plan.api)
+        folders = [str(generation.with_name("children")), str(generation)]
         os.environ["PYTHONPATH"] = os.pathsep.join(
-            filter(None, [folder, environment["PYTHONPATH"]])
+            [*folders, *filter(None, [environment["PYTHONPATH"]])]
         )
         os.environ[VARIABLE] = self._plan.text()
-        watched_path.for_children = folder
         _hear_of_forks()
         try:
             yield self
         finally:
-            _active, watched_path.for_children = before, None
+            _active = before
             for name, value in environment.items():
                 os.environ.pop(name, None)
                 if value is not None:
                     os.environ[name] = value
             if self.is_home:
-                _stop_forkserver()
                 self.children = gather(self._room)
                 shutil.rmtree(self._room, ignore_errors=True)
 
@@ -141,15 +140,21 @@ class Family:
         self._recording = recording
         self._session.recorder, self._session.created = recording.watch, recording.created
 
-    def arrive(self) -> None:
-        """Belong to the run as a process that was started afresh."""
+    def arrive(self, as_worker: bool) -> None:
+        """Belong to the run as a process that was started afresh.
+
+        Parameters
+        ----------
+        as_worker
+            Whether by `multiprocessing`, which tells later who it is.
+        """
         global _active
         _active = self
         _hear_of_forks()
         self.record(self._recording)
         # What the script draws before any process has its work is what its own process draws.
         names.seed_generators(self._plan.seed)
-        if names.is_being_started():
+        if as_worker:
             self._name = None
             self.begin_with_work()
         else:
@@ -157,10 +162,11 @@ class Family:
 
     def begin_with_work(self) -> None:
         """Begin when `multiprocessing` has told this process who it is, before its work."""
-        sys.modules["multiprocessing.util"].register_after_fork(self, Family.begin)
+        from multiprocessing import context, util
+
+        util.register_after_fork(self, Family.begin)
         # A process that was started afresh says so here alone.
-        context = sys.modules["multiprocessing.context"]
-        context.SpawnProcess._after_fork = staticmethod(self.begin)
+        context.SpawnProcess._after_fork = staticmethod(self.begin)  # type: ignore[attr-defined]
 
     def begin(self, candidates: Iterator[names.Name] | None = None) -> None:
         """Take a name, and random numbers of one's own, and be ready for every end.
@@ -177,6 +183,7 @@ class Family:
                 return
             candidates = self._above.of_multiprocessing(names.identity()).or_similar()
         self._name = names.claim(self._room, candidates)
+        keep_apart()  # `multiprocessing` brings a path of its own
         self._session.process, self._session.instances = self._name.entropy, 0
         names.seed_generators(self._plan.seed, self._name.entropy)
         self._plan = replace(
@@ -259,6 +266,11 @@ def _ending(error: BaseException | None) -> tuple[str, str]:
     return "failed", f"{type(error).__name__}: {error}"
 
 
+def has_family() -> bool:
+    """Whether this process belongs to a run."""
+    return _active is not None
+
+
 _listening = False
 
 
@@ -278,11 +290,3 @@ def _count_fork() -> None:
 def _be_child() -> None:
     if _active is not None:
         _active.become_child()
-
-
-def _stop_forkserver() -> None:
-    """Stop the server from which `multiprocessing` forks: it has the environment of this run."""
-    module = sys.modules.get("multiprocessing.forkserver")
-    stop = getattr(getattr(module, "_forkserver", None), "_stop", None)
-    if stop is not None:
-        stop()

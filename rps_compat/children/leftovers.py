@@ -23,6 +23,7 @@ class Leftovers:
         self._finalizers = set(_finalizers())
         self._executors = set(_executors())
         self._processes = set(_processes())
+        self._server = _server()
 
     def wait_for(self) -> None:
         """Close pools, end daemons, wait for other processes."""
@@ -37,6 +38,7 @@ class Leftovers:
                 process.terminate()
         for process in processes:
             process.join()
+        self._stop_server()
         self._finalize(-math.inf)
 
     def _finalize(self, least: float) -> None:
@@ -56,6 +58,13 @@ class Leftovers:
             process.terminate()
         for process in processes:
             process.join(GRACE)
+        self._stop_server()
+
+    def _stop_server(self) -> None:
+        """Stop the server from which `multiprocessing` forks: it has the environment of the run."""
+        server = _server()
+        if server is not None and server is not self._server:
+            server._stop()
 
 
 def _processes() -> list[Any]:
@@ -72,3 +81,9 @@ def _finalizers() -> dict[Any, Any]:
 
 def _executors() -> list[Any]:
     return list(getattr(sys.modules.get("concurrent.futures.process"), "_threads_wakeups", ()))
+
+
+def _server() -> Any:
+    """Return the server from which `multiprocessing` forks processes, if it runs."""
+    server = getattr(sys.modules.get("multiprocessing.forkserver"), "_forkserver", None)
+    return server if getattr(server, "_forkserver_pid", None) is not None else None

@@ -87,11 +87,6 @@ def identity() -> tuple[int, ...]:
     return () if process is None else tuple(getattr(process, "_identity", ()))
 
 
-def is_being_started() -> bool:
-    """Whether `multiprocessing` is about to start work in this process."""
-    return bool(getattr(_multiprocessing(), "_inheriting", False))
-
-
 def is_forked_by_multiprocessing() -> bool:
     """Whether the fork that this process comes from, and is in, is one of `multiprocessing`'s."""
     frame: FrameType | None = sys._getframe(1)

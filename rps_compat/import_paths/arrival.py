@@ -1,7 +1,8 @@
-"""Bring ``rps_compat`` into a process whose script imports ``rps``, and give it generation `api`.
+"""Bring ``rps_compat`` into a process in which it is not, whatever lies beside the script.
 
 Nothing of the script's may be taken for ours, or for a library that we need. What looks after that
-is imported before our package itself runs: the package is there without having run yet.
+(:mod:`rps_compat.own_imports`) is imported before our package itself runs: the package is there
+without having run yet. This file is not imported but executed, since its name may be hidden, too.
 """
 
 import os
@@ -9,23 +10,26 @@ import sys
 from _frozen_importlib import module_from_spec
 from _frozen_importlib_external import PathFinder
 
+TYPE_CHECKING = False  # typing's own may be hidden
+if TYPE_CHECKING:
+    from typing import Any
 
-def arrive(api: int) -> None:
-    """Let ``import rps`` mean generation `api`, whatever lies beside the script."""
-    package = sys.modules.get("rps_compat")
-    runs = hasattr(package, "install")
-    if package is None or not runs:
+
+def keep_apart(folder: "str | None" = None) -> "Any":
+    """Keep the script's modules and the environment's apart; our package need not run for that."""
+    if not hasattr(sys.modules.get("rps_compat"), "install"):
         spec = PathFinder.find_spec("rps_compat", [__file__.rpartition("rps_compat")[0]])
         assert spec is not None
-        package = sys.modules["rps_compat"] = module_from_spec(spec)
-    from rps_compat.own_imports import keep_apart
+        sys.modules["rps_compat"] = module_from_spec(spec)
+    from rps_compat import own_imports
 
+    return own_imports.keep_apart(folder)
+
+
+def arrive(api: int) -> None:
+    """Let ``import rps`` mean generation `api` in a process whose script has imported it."""
     names = keep_apart()
-    if not runs:
-        assert package.__spec__ is not None
-        assert package.__spec__.loader is not None
-        package.__spec__.loader.exec_module(package)
-    package.install(api=api)
+    _run_package().install(api=api)
     __import__("rps")
     from rps_compat.children import VARIABLE
 
@@ -40,4 +44,19 @@ def arrive(api: int) -> None:
             print(f"rps: note: {note}", file=sys.stderr)
 
 
-arrive(api)  # type: ignore[name-defined]  # noqa: F821 - given by who runs this file
+def arrive_as_worker() -> None:
+    """Join the run whose script lets `multiprocessing` start this process, before anything else."""
+    keep_apart(os.getcwd())
+    _run_package()
+    from rps_compat.children.arrival import join_run
+
+    join_run(as_worker=True)
+
+
+def _run_package() -> "Any":
+    package = sys.modules["rps_compat"]
+    if not hasattr(package, "install"):
+        assert package.__spec__ is not None
+        assert package.__spec__.loader is not None
+        package.__spec__.loader.exec_module(package)
+    return package

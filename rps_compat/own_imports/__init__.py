@@ -47,7 +47,7 @@ def keep_apart(folder: "str | None" = None) -> HiddenNames:
     global _names
     if _names is None:
         _names = HiddenNames(folder)
-    _names.look(sys.path)
+    _names.watch()
     LastResort.stand_by()
     return _names
 

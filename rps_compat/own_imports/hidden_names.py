@@ -74,7 +74,14 @@ class HiddenNames:
         self._seen: set[str] = set()
         self._folder = folder
         add_script_folder(folder)
-        self._path, sys.path = sys.path, WatchedPath(sys.path, self.look)
+        self._path = sys.path
+        self.look([folder, *sys.path])
+
+    def watch(self) -> None:
+        """Look at ``sys.path``, now and whenever the script adds to it."""
+        if not isinstance(sys.path, WatchedPath):
+            sys.path = WatchedPath(sys.path, self.look)
+        self.look(sys.path)
 
     def look(self, path: "Iterable[str]") -> None:
         """See what modules in new folders of the script on `path` hide."""
@@ -106,8 +113,10 @@ class HiddenNames:
             return
         self.files |= names
         for name in names.keys() & sys.modules.keys():
-            of = self.claimed if is_environments_module(sys.modules[name]) else self.asked
-            of.add(name)
+            if is_environments_module(sys.modules[name]):
+                self._claim(name)
+            else:
+                self.asked.add(name)
         if self._before is None:
             self._begin()
         for name in names.keys() - self.claimed:
@@ -165,10 +174,7 @@ class HiddenNames:
             self._claim(top)
             return False
         self.asked.add(top)
-        if top not in self.claimed:
-            return False  # Python finds the script's by itself
-        self._lend(top)
-        return True
+        return top in self.claimed  # if not, Python finds the script's by itself
 
     def _claim(self, name: str) -> None:
         """Let ``sys.modules`` have the environment's module, from its next import on."""
@@ -190,7 +196,16 @@ class HiddenNames:
             if frame is not None and not is_environments_code(frame.f_globals, frame):
                 return None
             self._claim(name)
-        return find_environments(name)
+        spec = find_environments(name)
+        if spec is not None and spec.loader is not None:
+            loader, run = spec.loader, spec.loader.exec_module
+
+            def exec_module(module: "ModuleType") -> None:
+                run(module)
+                self._lend(name)
+
+            loader.exec_module = exec_module
+        return spec
 
     def _lend(self, name: str) -> None:
         """Let the environment's module answer for classes and functions of the script's own.

@@ -1,15 +1,9 @@
 """A ``sys.path`` that tells of new folders."""
 
-from _frozen_importlib_external import PathFinder
-
 TYPE_CHECKING = False  # typing's own may be hidden
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
     from typing import Any
-
-
-#: Folder that children must find modules in, while a script runs whose children are to have ours.
-for_children: "str | None" = None
 
 
 class WatchedPath(list["str"]):
@@ -37,15 +31,6 @@ class WatchedPath(list["str"]):
     def __iadd__(self, entries: "Iterable[str]") -> "WatchedPath":  # type: ignore[override]
         self.extend(entries)
         return self
-
-    def copy(self) -> "list[str]":
-        """Copy the path; `multiprocessing` does so for processes that it starts afresh."""
-        entries = list(self)
-        if for_children is not None:
-            # Behind the script's folder, as on PYTHONPATH, but before a copy of the simulator.
-            spec = PathFinder.find_spec("rps", entries)
-            entries.insert(1 if spec is None else 0, for_children)
-        return entries
 
     def __add__(self, entries: "Iterable[str]") -> "WatchedPath":  # type: ignore[override]
         return WatchedPath([*self, *entries], self._look)._seen()

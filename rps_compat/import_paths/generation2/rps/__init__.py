@@ -2,5 +2,6 @@
 
 from _frozen_importlib_external import SourceFileLoader
 
-_arrival = __file__[: -len("generation2/rps/__init__.py")] + "arrival.py"
-exec(SourceFileLoader("arrival", _arrival).get_code("arrival"), {"api": 2, "__file__": _arrival})  # type: ignore[arg-type]
+_arrival = {"__file__": __file__[: -len("generation2/rps/__init__.py")] + "arrival.py"}
+exec(SourceFileLoader("arrival", _arrival["__file__"]).get_code("arrival"), _arrival)  # type: ignore
+_arrival["arrive"](2)  # type: ignore[operator]
