@@ -89,8 +89,8 @@ class UnicycleFilter:
     ) -> None:
         number("b", b, above=0)
         number("r", r, above=0)
-        self.state = numbers("initial_state", initial_state, 3).copy()
-        self.P = numbers("initial_covariance", initial_covariance, 3, 3).copy()
+        self.state: Array = numbers("initial_state", initial_state, 3).copy()
+        self.P: Array = numbers("initial_covariance", initial_covariance, 3, 3).copy()
         self.base_length, self.wheel_radius = b, r
         self.wheel_encoder_noise_covariance_matrix = numbers("M", M, 2, 2)
         self.Q = numbers("Q", Q, 3, 3)
@@ -101,28 +101,29 @@ class UnicycleFilter:
         return self.P
 
     def form_fx(self, v: float, w: float, dt: float) -> Array:
-        """What a step of `dt` (s) at `v` (m/s) and `w` (rad/s) adds to the state, (3, 1)."""
-        heading = self.state[2]
-        return dt * np.array([[v * np.cos(heading)], [v * np.sin(heading)], [w]])
+        """Return what `dt` (s) at `v` (m/s) and `w` (rad/s) adds to the state, (3, 1)."""
+        heading = float(self.state[2])
+        moved: Array = dt * np.array([[v * np.cos(heading)], [v * np.sin(heading)], [w]])
+        return moved
 
     def form_F(self, v: float, dt: float) -> Array:  # noqa: N802 - the published name
-        """Derivative (3, 3) of a step by the state."""
+        """Return the derivative (3, 3) of a step by the state."""
         heading = self.state[2]
         derivative: Array = np.eye(3)
         derivative[:2, 2] = v * dt * np.array([-np.sin(heading), np.cos(heading)])
         return derivative
 
     def form_G(self, dt: float) -> Array:  # noqa: N802 - the published name
-        """Derivative (3, 2) of a step by (v, ω)."""
+        """Return the derivative (3, 2) of a step by (v, ω)."""
         heading = self.state[2]
-        return dt * np.array([[np.cos(heading), 0.0], [np.sin(heading), 0.0], [0.0, 1.0]])
+        return np.array([[dt * np.cos(heading), 0.0], [dt * np.sin(heading), 0.0], [0.0, dt]])
 
     def form_Q(self, dt: float) -> Array:  # noqa: N802 - the published name
-        """Covariance (3, 3) that the model gains in `dt` (s)."""
+        """Return the covariance (3, 3) that the model gains in `dt` (s)."""
         return np.asarray(self.Q * dt)
 
     def form_wheel_encoder_process_noise_matrix(self, dt: float) -> Array:
-        """Covariance (3, 3) that the encoders' errors bring in a step."""
+        """Return the covariance (3, 3) that the encoders' errors bring in a step."""
         radius, axle = self.wheel_radius, self.base_length
         wheels = np.array([[radius / 2, radius / 2], [radius / axle, -radius / axle]])
         through = self.form_G(dt) @ wheels
