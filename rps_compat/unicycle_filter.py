@@ -14,8 +14,14 @@ A measurement z = h(x) with variance R corrects by its innovation y = z − h(x)
 
     S = H P Hᵀ + R      K = P Hᵀ S⁻¹      x ← x + K y      P ← (I − K H) P (I − K H)ᵀ + K R Kᵀ
 
-The last is Joseph's form, which stays symmetric and positive however small R is. Source: Thrun,
-Burgard and Fox, *Probabilistic Robotics*, chapters 3, 5 and 7.
+The last is Joseph's form, which stays symmetric and positive however small R is.
+
+A gyroscope tells how far the robot has turned since it was last asked: θ − θ₀, with θ₀ the heading
+of then. That is no measurement of θ, which the filter would be surer of with every step without
+having seen anything. So θ₀ is a fourth state that stays as it is, with its covariance to the others
+(stochastic cloning, Roumeliotis and Burdick 2002).
+
+Source: Thrun, Burgard and Fox, *Probabilistic Robotics*, chapters 3, 5 and 7.
 """
 
 from typing import Any
@@ -78,8 +84,6 @@ class UnicycleFilter:
     ----------
     state : ndarray (3,)
         Estimated pose; the heading within [−π, π] after every step.
-    P : ndarray (3, 3)
-        Its covariance.
     base_length, wheel_radius, wheel_encoder_noise_covariance_matrix, Q
         As given.
     """
@@ -90,15 +94,32 @@ class UnicycleFilter:
         number("b", b, above=0)
         number("r", r, above=0)
         self.state: Array = numbers("initial_state", initial_state, 3).copy()
-        self.P: Array = numbers("initial_covariance", initial_covariance, 3, 3).copy()
+        self.P = numbers("initial_covariance", initial_covariance, 3, 3)
         self.base_length, self.wheel_radius = b, r
         self.wheel_encoder_noise_covariance_matrix = numbers("M", M, 2, 2)
         self.Q = numbers("Q", Q, 3, 3)
 
     @property
+    def P(self) -> Array:  # noqa: N802 - the published name
+        """Covariance (3, 3) of the estimate. Who sets it begins afresh: what was then is as now."""
+        return self._joint[:3, :3]
+
+    @P.setter
+    def P(self, covariance: Array) -> None:  # noqa: N802 - the published name
+        self._joint: Array = np.zeros((4, 4))
+        self._joint[:3, :3] = covariance
+        self.clone_heading()
+
+    @property
     def covariance(self) -> Array:
         """Covariance (3, 3) of the estimate, as it is now."""
         return self.P
+
+    def clone_heading(self) -> None:
+        """Let the heading of now be the one that is turned from, θ₀."""
+        self.previous_theta = float(self.state[2])
+        self._joint[3], self._joint[:, 3] = self._joint[2], self._joint[:, 2]
+        self._joint[3, 3] = self._joint[2, 2]
 
     def form_fx(self, v: float, w: float, dt: float) -> Array:
         """Return what `dt` (s) at `v` (m/s) and `w` (rad/s) adds to the state, (3, 1)."""
@@ -140,9 +161,10 @@ class UnicycleFilter:
             Length of the step, s.
         """
         moved = self.form_fx(v, w, dt)[:, 0]
-        step = self.form_F(v, dt)
-        noise = self.form_wheel_encoder_process_noise_matrix(dt) + self.form_Q(dt)
-        self.P = step @ self.P @ step.T + noise
+        step = np.eye(4)
+        step[:3, :3] = self.form_F(v, dt)
+        self._joint = step @ self._joint @ step.T
+        self._joint[:3, :3] += self.form_wheel_encoder_process_noise_matrix(dt) + self.form_Q(dt)
         self.state = self._wrapped(self.state + moved)
 
     def correct(self, innovation: Any, derivative: Any, name: str, noise: Any) -> None:
@@ -153,7 +175,7 @@ class UnicycleFilter:
         innovation
             What was measured beyond what was expected, (K,).
         derivative
-            Of the expected measurement by the state, (K, 3).
+            Of the expected measurement by x, y, θ and θ₀, (K, 4).
         name, noise
             The measurement's covariance, (K, K), and what the caller calls it.
 
@@ -163,18 +185,20 @@ class UnicycleFilter:
             The covariance is missing, has another size, or is not positive.
         """
         beyond = np.atleast_1d(np.asarray(innovation, dtype=float))
-        by_state = np.asarray(derivative, dtype=float).reshape(beyond.size, 3)
+        by_state = np.asarray(derivative, dtype=float).reshape(beyond.size, 4)
         variance = _variance(name, noise, beyond.size)
-        spread = by_state @ self.P @ by_state.T + variance
-        gain = np.linalg.solve(spread, by_state @ self.P).T
-        left = np.eye(3) - gain @ by_state
-        self.P = left @ self.P @ left.T + gain @ variance @ gain.T
-        self.state = self._wrapped(self.state + gain @ beyond)
+        spread = by_state @ self._joint @ by_state.T + variance
+        gain = np.linalg.solve(spread, by_state @ self._joint).T
+        left = np.eye(4) - gain @ by_state
+        self._joint = left @ self._joint @ left.T + gain @ variance @ gain.T
+        correction = gain @ beyond
+        self.state = self._wrapped(self.state + correction[:3])
+        self.previous_theta += float(correction[3])
 
     def correct_position(self, position: Any, name: str, noise: Any) -> None:
         """Correct by a measured position (2,) in metres, with covariance (2, 2) in m²."""
         beyond = numbers("gps_measurement", position, 2) - self.state[:2]
-        self.correct(beyond, np.eye(2, 3), name, noise)
+        self.correct(beyond, np.eye(2, 4), name, noise)
 
     @staticmethod
     def _wrapped(state: Array) -> Array:
@@ -185,6 +209,8 @@ class UnicycleFilter:
 def _variance(name: str, noise: Any, size: int) -> Array:
     try:
         matrix = np.asarray(noise, dtype=float).reshape(size, size)
+        if not np.isfinite(matrix).all():  # None is NaN
+            raise ValueError
         np.linalg.cholesky(matrix)
     except (TypeError, ValueError, np.linalg.LinAlgError):
         what = "a positive number" if size == 1 else f"a positive definite ({size}, {size}) matrix"

@@ -33,7 +33,6 @@ class UnicycleEKF(UnicycleFilter):
         Q: Array,
     ) -> None:
         super().__init__(initial_state, initial_covariance, b, r, M, Q)
-        self.previous_theta = float(self.state[2])
 
     def update_gps(self, gps_measurement: Array, R_gps: Array) -> None:
         """Correct by a measured position of the axle's middle.
@@ -74,7 +73,7 @@ class UnicycleEKF(UnicycleFilter):
         way = numbers("beacon_position", beacon_position, 2) - self.state[:2]
         distance = max(float(np.hypot(*way)), 1e-12)
         beyond = numbers("range_measurement", range_measurement, 1) - distance
-        self.correct(beyond, [*(-way / distance), 0.0], "R_range", R_range)
+        self.correct(beyond, [*(-way / distance), 0.0, 0.0], "R_range", R_range)
 
     def update_brearing(
         self, beacon_position: Array, bearing_measurement: float, R_bearing: Any = None
@@ -99,7 +98,7 @@ class UnicycleEKF(UnicycleFilter):
         squared = max(float(way @ way), 1e-24)
         expected = np.arctan2(way[1], way[0]) - self.state[2]
         beyond = wrap(numbers("bearing_measurement", bearing_measurement, 1) - expected)
-        derivative = [way[1] / squared, -way[0] / squared, -1.0]
+        derivative = [way[1] / squared, -way[0] / squared, -1.0, 0.0]
         self.correct(beyond, derivative, "R_bearing", R_bearing)
 
     def update_orientation(self, orientation: float, R_orientation: Any = None) -> None:
@@ -118,10 +117,10 @@ class UnicycleEKF(UnicycleFilter):
             As for :meth:`update_gps`.
         """
         beyond = wrap(numbers("orientation", orientation, 1) - self.state[2])
-        self.correct(beyond, [0.0, 0.0, 1.0], "R_orientation", R_orientation)
+        self.correct(beyond, [0.0, 0.0, 1.0, 0.0], "R_orientation", R_orientation)
 
     def update_gyro(self, yaw_rate: float, dt: float, R_gyro: Any = None) -> None:
-        """Correct by the heading to which a measured turn rate has led since the last such update.
+        """Correct by a measured turn rate: by how far the robot has turned since the last time.
 
         Parameters
         ----------
@@ -130,14 +129,24 @@ class UnicycleEKF(UnicycleFilter):
         dt
             Seconds since the last update of this kind, or since the start.
         R_gyro
-            Variance of the heading that follows, rad².
+            Variance of the turn rate, rad²/s².
 
         Raises
         ------
         NoiseError, ShapeError
             As for :meth:`update_gps`.
         """
-        turned = numbers("yaw_rate", yaw_rate, 1) * numbers("dt", dt, 1)
-        beyond = wrap(self.previous_theta + turned - self.state[2])
-        self.correct(beyond, [0.0, 0.0, 1.0], "R_gyro", R_gyro)
-        self.previous_theta = float(self.state[2])
+        seconds = numbers("dt", dt, 1)
+        turned = self.state[2] - self.previous_theta
+        beyond = wrap(numbers("yaw_rate", yaw_rate, 1) * seconds - turned)
+        noise = _over(R_gyro, seconds)
+        self.correct(beyond, [0.0, 0.0, 1.0, -1.0], "R_gyro", noise)
+        self.clone_heading()
+
+
+def _over(variance: Any, seconds: Array) -> Any:
+    """Variance of a rate, as that of what it adds up to; what is no number stays what it is."""
+    try:
+        return np.asarray(variance, dtype=float) * seconds**2
+    except (TypeError, ValueError):
+        return variance
