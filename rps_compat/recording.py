@@ -5,6 +5,7 @@ the clock, to the film. In a child process of a script (:mod:`rps_compat.childre
 record of what the report needs, on disk and up to date, because such processes are often killed.
 """
 
+import weakref
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -33,11 +34,11 @@ OpenRecorder = Callable[[Path, int, dict[str, Any]], RunRecorder]
 class Record(Protocol):
     """Where what is known of an instance is kept up to date, step by step."""
 
-    def update(self, arena: Arena) -> None:
+    def update(self, arena: Arena, /) -> None:
         """Take note of the step that `arena` is about to do."""
 
-    def close(self, arena: Arena) -> None:
-        """Take note of `arena` as it is now."""
+    def close(self, arena: Arena, /) -> None:
+        """Take note of `arena` as it is at its end."""
 
 
 class Watch:
@@ -46,24 +47,34 @@ class Watch:
     Attributes
     ----------
     instance
-        The Robotarium; None until it is made.
-    log
-        Its log, if it has one.
-    path
-        Where the log lies, without ending.
+        The Robotarium, where pictures are taken of it; None until it is made.
+    arena
+        Its arena; None until it is made.
     """
 
     def __init__(
-        self, recording: "Recording", log: RunRecorder | None, path: Path | None, record: Any = None
+        self,
+        recording: "Recording",
+        log: RunRecorder | None,
+        path: Path | None,
+        record: Record | None = None,
     ) -> None:
-        self._recording, self.log, self.path, self.record = recording, log, path, record
-        self.instance: Any = None
+        self._recording, self._log, self._path, self._record = recording, log, path, record
         self._before = 0.0
+        self.instance: Any = None
+        self.arena: Arena | None = None
 
-    @property
-    def arena(self) -> Arena | None:
-        """Arena of the instance, once it is made."""
-        return None if self.instance is None else self.instance._arena
+    def attach(self, instance: Any) -> None:
+        """Watch a new `instance`.
+
+        Where a record is kept, the instance is not: when nobody has it any more, its run is over,
+        and the record says so, since it may have to stand for a process that is killed later.
+        """
+        self.arena = instance._arena
+        if self._record is None:
+            self.instance = instance
+        else:
+            weakref.finalize(instance, self.close, "finished", "").atexit = False
 
     def append(self, time: float, poses: Array, commands: Array) -> None:
         """Pass one step on."""
@@ -72,25 +83,31 @@ class Watch:
         end = time + (0.0 if arena is None else arena.robot.time_step)
         self._recording.advance(end - self._before)
         self._before = end
-        if self.log is not None:
-            self.log.append(time, poses, commands)
-        if self.record is not None and arena is not None:
-            self.record.update(arena)
+        if self._log is not None:
+            self._log.append(time, poses, commands)
+        if self._record is not None and arena is not None:
+            self._record.update(arena)
         film = self._recording.film
         if film is not None and not film.idle and self._recording.watches[0] is self:
             film.at(time, self.instance)
 
-    def close(self, how: str, reason: str, within_step: bool = False) -> list[Path]:
-        """Close log and record; return the log's files.
+    def close(self, how: str, reason: str) -> None:
+        """Close log and record; a second call changes nothing."""
+        log, self._log = self._log, None
+        record, self._record = self._record, None
+        if record is not None and self.arena is not None:
+            record.close(self.arena)
+        if log is not None:
+            log.close(how, reason)
 
-        A step that is interrupted is in neither, or in both.
-        """
-        if self.record is not None and self.arena is not None and not within_step:
-            self.record.close(self.arena)
-        if self.log is None or self.path is None:
-            return []
-        self.log.close(how, reason)
-        return files_of(self.path)
+    def abandon(self) -> None:
+        """Leave log and record to the process from which this one was forked."""
+        self._log = self._record = None
+
+    @property
+    def files(self) -> list[Path]:
+        """Files of the log."""
+        return [] if self._path is None else files_of(self._path)
 
 
 def files_of(log: Path) -> list[Path]:
@@ -150,7 +167,7 @@ class Recording:
         """Be told of a new instance by the session."""
         watch = instance._arena.recorder
         if isinstance(watch, Watch):
-            watch.instance = instance
+            watch.attach(instance)
 
     @property
     def first(self) -> Any:
@@ -161,17 +178,17 @@ class Recording:
         """Report on each instance, in the order of their making."""
         return [report_on(watch.arena) for watch in self.watches if watch.arena is not None]
 
-    def close(self, how: str, reason: str, within_step: bool = False) -> list[Path]:
-        """Close all watches; return the files of their logs.
+    def close(self, how: str, reason: str) -> list[Path]:
+        """Close all watches, and return the files of their logs.
 
         Parameters
         ----------
         how, reason
             How the run ended: finished, interrupted or failed, and why.
-        within_step
-            Whether a signal may have come within a step.
         """
-        return [file for watch in self.watches for file in watch.close(how, reason, within_step)]
+        for watch in self.watches:
+            watch.close(how, reason)
+        return [file for watch in self.watches for file in watch.files]
 
     def leave_to(self, child: "Recording") -> None:
         """In a forked child: let `child` record what the instances of this process do from now on.
@@ -180,18 +197,19 @@ class Recording:
         writing.
         """
         for watch in self.watches:
+            watch.abandon()
             if watch.arena is not None:
-                watch.arena.recorder = _Continued(child, watch.instance)
+                watch.arena.recorder = _Continued(child, watch.arena)
 
 
 class _Continued:
-    """Opens a watch for an instance that a child has from its parent, if it drives on."""
+    """Opens a watch for an arena that a child has from its parent, if its robots drive on."""
 
-    def __init__(self, recording: Recording, instance: Any) -> None:
-        self._recording, self._instance = recording, instance
+    def __init__(self, recording: Recording, arena: Arena) -> None:
+        self._recording, self._arena = recording, arena
 
     def append(self, time: float, poses: Array, commands: Array) -> None:
-        arena = self._instance._arena
+        arena = self._arena
         watch = arena.recorder = self._recording.watch(arena.number_of_robots, copied=True)
-        watch.instance, watch._before = self._instance, time
+        watch.arena, watch._before = arena, time
         watch.append(time, poses, commands)

@@ -5,13 +5,11 @@ import contextlib
 import json
 import os
 import shutil
-import signal
 import sys
 import tempfile
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from types import FrameType
 from typing import NoReturn
 
 from rps_compat.children import VARIABLE, names
@@ -52,8 +50,7 @@ class Family:
         self._above = names.Name(plan.within, plan.entropy, plan.identity)
         self._name: names.Name | None = self._above
         self._forks = 0
-        self._ends: bool | None = None  # False while it does, then True
-        self._signal = 0
+        self._ended = False
         self._errors: list[BaseException] = []
 
     # --- The script's own process --------------------------------------------------------------
@@ -125,7 +122,7 @@ class Family:
     def become_child(self) -> None:
         """Be what a fork of this process is: another process, with everything of its own."""
         self._above, self._name = self._name or self._above, None
-        self._ends, self._forks, number = None, 0, self._forks
+        self._ended, self._forks, number = False, 0, self._forks
         before = self._recording
         self.record(replace(before, film=None))
         before.leave_to(self._recording)
@@ -198,9 +195,6 @@ class Family:
             sys.modules["multiprocessing.util"].Finalize(None, self._end_of_work, exitpriority=0)
         else:
             atexit.register(self._end_of_script)
-        with contextlib.suppress(ValueError):  # not the main thread
-            if signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
-                signal.signal(signal.SIGTERM, self._terminated)
 
     def _name_of_logs(self) -> str:
         if self._name is None:  # robots are made before the work begins
@@ -221,30 +215,13 @@ class Family:
     def _end_of_script(self) -> None:
         self.end(*_ending(getattr(sys, "last_value", None)))
 
-    def end(self, how: str, reason: str, within_step: bool = False) -> None:
+    def end(self, how: str, reason: str) -> None:
         """Close what this child keeps; a second call changes nothing."""
-        if self._ends is not None or self._name is None or not self._room.is_dir():
+        if self._ended or self._name is None or not self._room.is_dir():
             return
-        self._ends = False
-        self._recording.close(how, reason, within_step)
+        self._ended = True
+        self._recording.close(how, reason)
         (self._room / f"{self._name.text}.end").write_text(json.dumps([how, reason]), "utf-8")
-        self._ends = True
-        if self._signal:
-            self._die(self._signal)
-
-    def _terminated(self, number: int, frame: FrameType | None) -> None:
-        if self._ends is False:  # it is about to end; let it
-            self._signal = number
-            return
-        try:
-            self.end("interrupted", "the process was ended by SIGTERM", within_step=True)
-        finally:
-            self._die(number)
-
-    @staticmethod
-    def _die(number: int) -> None:
-        signal.signal(number, signal.SIG_DFL)
-        os.kill(os.getpid(), number)
 
     def leave(self, how: str, reason: str, exit_code: int) -> NoReturn:
         """End a fork of the script's process that has come to the script's end, as Python would."""

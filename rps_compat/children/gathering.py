@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rps_compat.children.leftovers import GRACE
-from rps_compat.children.records import Instance, read_record
+from rps_compat.children.records import Instance, Record
 from rps_compat.recording import files_of
 from rps_compat.report import RunReport, report_of
 
@@ -48,16 +48,20 @@ def gather(room: Path) -> Children:
             for path in sorted(room.glob(f"{process.stem}-*.instance"), key=_in_order)
             if (instance := Instance.read(path)).process == process.stem
         ]
-        for instance in instances:
-            steps, dt, found = read_record(room, instance)
-            reports.append(report_of(instance.robots, steps, dt, found, instance.process))
+        records = [Record.read(room, instance) for instance in instances]
+        for instance, record in zip(instances, records, strict=True):
+            reports.append(
+                report_of(
+                    instance.robots, record.steps, record.time_step, record.found, instance.process
+                )
+            )
             files += files_of(Path(instance.log)) if instance.log else []
         if any(instance.copied for instance in instances):
             notes.append(
                 f"{process.stem} drove on a copy of a Robotarium that its parent had made: what "
                 "that had done before is told of both"
             )
-        note = _note_on(process) if instances else ""
+        note = _note_on(process, all(record.over for record in records))
         notes += [note] if note else []
     return Children(tuple(reports), tuple(files), tuple(notes))
 
@@ -83,18 +87,20 @@ def _in_order(path: Path) -> list[str | int]:
     return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", path.stem)]
 
 
-def _note_on(process: Path) -> str:
-    """Say what is not known of a child from the record of its process; empty if all is."""
+def _note_on(process: Path, over: bool) -> str:
+    """Say what the records of a child do not tell; empty if the runs of its robots are `over`."""
     try:
         how, reason = json.loads(process.with_suffix(".end").read_text("utf-8"))
     except OSError:
+        if over:
+            return ""
         if _is_alive(process):
             return (
                 f"{process.stem} still ran when the script had ended: what it did then is not told"
             )
         return (
-            f"{process.stem} was killed: what is told of it ends with a step that it may not have "
-            "finished"
+            f"{process.stem} was ended while its robots drove: what is told of it ends with a step "
+            "that it may not have finished"
         )
     return f"{process.stem} {how}: {reason}" if how == "failed" else ""
 

@@ -15,9 +15,9 @@ from typing import get_args
 from rps_compat.arena import Arena
 from rps_compat.violations import Event, Kind, Violations
 
-# Steps, seconds of a step, counters, fastest wheel, number of faults; then kind, robots, first and
-# last step, worst value of each fault.
-_HEAD, _FAULT = struct.Struct("<qdqqqqdq"), struct.Struct("<iiiqqd")
+# Steps, seconds of a step, counters, fastest wheel, number of faults, whether the run is over; then
+# kind, robots, first and last step, worst value of each fault.
+_HEAD, _FAULT = struct.Struct("<qdqqqqdqq"), struct.Struct("<iiiqqd")
 _KINDS: tuple[Kind, ...] = get_args(Kind)
 
 
@@ -85,9 +85,10 @@ class InstanceRecord:
     def close(self, arena: Arena) -> None:
         """Take note of `arena` as it is, with the end of every fault."""
         self._counted = ()
-        self._write(arena, arena.steps)
+        self._write(arena, arena.steps, over=True)
+        self._file.close()
 
-    def _write(self, arena: Arena, steps: int) -> None:
+    def _write(self, arena: Arena, steps: int, over: bool = False) -> None:
         found = arena.violations
         counted = (found.close_steps, found.outside_steps, found.actuator_steps, found.close_pairs)
         if found is not self._violations:  # counting has been begun afresh
@@ -97,7 +98,7 @@ class InstanceRecord:
             self._counted = counted
         fastest, faults = found.largest_wheel_velocity, len(self._places)
         self._file.seek(0)
-        self._file.write(_HEAD.pack(steps, arena.robot.time_step, *counted, fastest, faults))
+        self._file.write(_HEAD.pack(steps, arena.robot.time_step, *counted, fastest, faults, over))
 
     def _write_faults(self, found: Violations, since: int) -> None:
         """Write the faults that were seen at step `since` or later."""
@@ -110,16 +111,38 @@ class InstanceRecord:
             self._file.write(_FAULT.pack(kind, first, second, event.first, event.last, event.worst))
 
 
-def read_record(room: Path, instance: Instance) -> tuple[int, float, Violations]:
-    """Return steps, seconds of a step, and what was wrong, as `instance` last told it."""
-    content = (room / f"{instance.name}.steps").read_bytes()
-    if len(content) < _HEAD.size:  # it never made a step
-        return 0, 0.0, Violations()
-    steps, dt, close, outside, actuator, pairs, fastest, faults = _HEAD.unpack_from(content)
-    found = Violations(actuator, fastest, outside, {}, pairs, {}, close)
-    for k in range(min(faults, (len(content) - _HEAD.size) // _FAULT.size)):
-        place = _HEAD.size + _FAULT.size * k
-        kind, first, second, begun, seen, worst = _FAULT.unpack_from(content, place)
-        robots = (first,) if second < 0 else (first, second)
-        found.events.append(Event(_KINDS[kind], robots, begun, seen, worst))
-    return steps, dt, found
+@dataclass(frozen=True)
+class Record:
+    """What an instance last told.
+
+    Attributes
+    ----------
+    steps, time_step
+        How many, and seconds of one.
+    found
+        What was wrong.
+    over
+        Whether its run is over: nothing more would have come.
+    """
+
+    steps: int
+    time_step: float
+    found: Violations
+    over: bool
+
+    @classmethod
+    def read(cls, room: Path, instance: Instance) -> "Record":
+        """Read the record of `instance`."""
+        content = (room / f"{instance.name}.steps").read_bytes()
+        if len(content) < _HEAD.size:  # it never made a step
+            return cls(0, 0.0, Violations(), over=False)
+        steps, dt, close, outside, actuator, pairs, fastest, faults, over = _HEAD.unpack_from(
+            content
+        )
+        found = Violations(actuator, fastest, outside, {}, pairs, {}, close)
+        for k in range(min(faults, (len(content) - _HEAD.size) // _FAULT.size)):
+            place = _HEAD.size + _FAULT.size * k
+            kind, first, second, begun, seen, worst = _FAULT.unpack_from(content, place)
+            robots = (first,) if second < 0 else (first, second)
+            found.events.append(Event(_KINDS[kind], robots, begun, seen, worst))
+        return cls(steps, dt, found, bool(over))

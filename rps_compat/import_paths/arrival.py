@@ -17,13 +17,17 @@ if TYPE_CHECKING:
 
 def keep_apart(folder: "str | None" = None) -> "Any":
     """Keep the script's modules and the environment's apart; our package need not run for that."""
-    if not hasattr(sys.modules.get("rps_compat"), "install"):
+    before = sys.modules.get("rps_compat")
+    if not hasattr(before, "install"):
         spec = PathFinder.find_spec("rps_compat", [__file__.rpartition("rps_compat")[0]])
         assert spec is not None
         sys.modules["rps_compat"] = module_from_spec(spec)
     from rps_compat import own_imports
 
-    return own_imports.keep_apart(folder)
+    names = own_imports.keep_apart(folder)
+    if before is not None and before is not sys.modules["rps_compat"]:
+        names.keep_aside(before)
+    return names
 
 
 def arrive(api: int) -> None:

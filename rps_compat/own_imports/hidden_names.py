@@ -185,6 +185,10 @@ class HiddenNames:
                 self._scripts.take(name)
         self._lend(name)
 
+    def keep_aside(self, module: "ModuleType") -> None:
+        """Take over a module of the script that stood in the place of one of ours."""
+        self._scripts.modules[module.__name__] = module
+
     def find_spec(self, name: str, path: "Any" = None, target: "Any" = None) -> "Any":
         """Find the environment's module of a hidden name, unless the script asks for its own."""
         if path is not None or name not in self.files:

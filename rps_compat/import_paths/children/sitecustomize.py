@@ -40,7 +40,8 @@ def _run_next() -> None:
 
 def _keep_to_the_run() -> None:
     sys.meta_path.insert(0, RpsFirst())
-    command = next((w for w in sys.orig_argv if w.startswith("from multiprocessing.")), "")
+    words = getattr(sys, "orig_argv", [])  # older Pythons, which scripts may start, have none
+    command = next((word for word in words if word.startswith("from multiprocessing.")), "")
     if not command:
         return
     arrival: dict[str, Any] = {"__file__": os.path.join(_IMPORT_PATHS, "arrival.py")}
