@@ -1,6 +1,12 @@
 """Files beside the script hide nothing from libraries or from us, and are what the script gets."""
 
+import builtins
+import contextlib
+import importlib
+import io
 import os
+import queue
+import random
 import subprocess
 import sys
 import zipfile
@@ -12,6 +18,7 @@ import pytest
 import rps_compat
 from rps_compat.own_imports import hidden_names, whose
 from rps_compat.own_imports.last_resort import LastResort
+from rps_compat.runner import RunSettings, run_script
 
 WAYS = ("run", "path")
 #: Two robots that drive, are kept apart and drawn, with all that is imported for that.
@@ -31,8 +38,6 @@ def drive(steps=5):
         keep(numpy_of_ours.ones((2, 2)), x[:2])
         r.set_velocities([0, 1], numpy_of_ours.full((2, 2), 0.1))
         r.step()
-    r.figure.savefig("arena.png")
-    r.figure.savefig("arena.svg")
     r.call_at_scripts_end()
     return r
 """
@@ -52,26 +57,37 @@ def write(folder, **modules):
         (folder / f"{name}.py").write_text(text)
 
 
-def run(way, folder, api=1, script="script.py"):
-    """Run the script by `posflock run`, or by plain Python with our folder on PYTHONPATH."""
-    environment = {**os.environ, "MPLBACKEND": "Agg"}
+def run(way, folder, script="script.py"):
+    """Run a script of generation 1, and return what it said and what it was told.
+
+    By `posflock run` ("command"), by that in this process ("run"), or by plain Python with our
+    folder on PYTHONPATH ("path").
+    """
     if way == "run":
-        out = folder.parent / "out"
-        command = [Path(sys.executable).with_name("posflock"), "run", "--headless", "-o", out]
-        command += ["--api", str(api), folder / script]
+        told, said = [], io.StringIO()
+        settings = RunSettings(headless=True, api=1, tell=told.append)
+        with contextlib.redirect_stdout(said):
+            result = run_script(folder / script, (), settings)
+        assert told == list(result.notes)[: len(told)]
+        return result.exit_code, said.getvalue(), "\n".join([*result.notes, result.reason])
+    environment = {**os.environ, "MPLBACKEND": "Agg"}
+    command = [sys.executable, script]
+    if way == "command":
+        command = [Path(sys.executable).with_name("posflock"), "run", "--headless", "--api", "1"]
+        command += ["-o", folder.parent / "out", folder / script]
     else:
-        command = [sys.executable, script]
-        environment["PYTHONPATH"] = str(rps_compat.import_path(api))
-    return subprocess.run(
+        environment["PYTHONPATH"] = str(rps_compat.import_path(1))
+    done = subprocess.run(
         command, cwd=folder, env=environment, capture_output=True, text=True, check=False
     )
+    return done.returncode, done.stdout, done.stderr
 
 
 def said(way, folder, **options):
     """What a script says that runs to its end."""
-    done = run(way, folder, **options)
-    assert done.returncode == 0, done.stderr
-    return done.stdout.splitlines()
+    code, text, told = run(way, folder, **options)
+    assert code == 0, told
+    return text.splitlines()
 
 
 def names_that_files_can_hide():
@@ -84,14 +100,16 @@ def names_that_files_can_hide():
     return sorted(name for name in names - first if name.isidentifier() and not is_frozen(name))
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", ["command", "path"])
 def test_files_named_after_everything_that_anybody_imports(home, way):
     names = names_that_files_can_hide()
     assert {"random", "types", "numpy", "scipy", "matplotlib", "barrier_certificates"} <= {*names}
     assert len(names) > 200
     checks = "\n".join(f"import {name}\nassert {name}.WHOSE == 'script', {name}" for name in names)
     write(home, **dict.fromkeys(names, "WHOSE = 'script'\n"))
-    write(home, script=f"{ROBOTS}drive()\n{checks}\ndrive()\nprint('all are the script\\'s')\n")
+    pictures = "for name in ('png', 'svg', 'pdf'):\n    r.figure.savefig(f'arena.{name}')\n"
+    text = f"{ROBOTS}r = drive()\n{pictures}{checks}\ndrive()\nprint('all are the script\\'s')\n"
+    write(home, script=text)
     lines = said(way, home)
     assert "all are the script's" in lines
     assert sum("real seconds" in line or "This run takes" in line for line in lines) == 2
@@ -197,10 +215,10 @@ print(barrier_certificates.WHOSE, posflock_robotarium.WHOSE, rps_compat.WHOSE, u
 def test_a_script_that_empties_the_path_leaves_us_ours(home, way):
     write(home, random="WHOSE = 'script'")
     text = "import sys\nimport random\nsys.path[:] = [sys.path[0]]\ndrive()\n"
-    write(home, script=f"{ROBOTS}{text}print(random.WHOSE)\nimport cvxpy\n")
-    done = run(way, home)
-    assert "script" in done.stdout.splitlines(), done.stderr
-    assert "No module named 'cvxpy'" in done.stderr
+    write(home, script=f"{ROBOTS}{text}print(random.WHOSE)\nimport not_installed\n")
+    _, text, told = run(way, home)
+    assert "script" in text.splitlines(), told
+    assert "No module named 'not_installed'" in told
 
 
 @pytest.mark.parametrize("way", WAYS)
@@ -232,8 +250,7 @@ def test_a_script_is_called_like_a_module_of_ours(home, way):
 def test_what_is_hidden_is_noted_where_somebody_needs_it(home, way):
     write(home, random="", turtle="", utils="", barrier_certificates="", wave="")
     write(home, script=ROBOTS + "drive()\nimport utils, turtle")
-    done = run(way, home)
-    told = done.stdout + done.stderr
+    _, _, told = run(way, home)
     assert "random.py beside the script hides Python's own module 'random'" in told
     assert "utils.py" not in told
     assert "barrier_certificates.py" not in told
@@ -254,23 +271,14 @@ def test_nothing_is_changed_where_nothing_is_hidden(home):
 
 
 def test_imports_are_left_as_they_were(tmp_path):
-    import builtins
-    import importlib
-
-    from rps_compat.runner import RunSettings, run_script
-
     write(tmp_path, queue="class Job: pass", random="WHOSE = 'script'", test="import queue")
     script = "import queue, random, test, pickle\npickle.dumps(queue.Job())\nqueue.Job.a = 1\n"
     write(tmp_path, script=script)
     python, call, path, finders = (
         builtins.__import__, importlib.import_module, sys.path, list(sys.meta_path)
     )  # fmt: skip
-    import queue
-    import random
-
     for _ in range(2):
-        result = run_script(tmp_path / "script.py", (), RunSettings(headless=True, api=1))
-        assert result.ended == "finished", result.reason
+        said("run", tmp_path)
     assert python is builtins.__import__
     assert call is importlib.import_module
     assert path is sys.path
