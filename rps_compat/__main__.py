@@ -10,8 +10,10 @@ from typing import get_args
 
 from barrier_certificates.certificate_errors import PosflockError
 from rps_compat.install import import_path
-from rps_compat.runner import OpenRecorder, RunSettings, run_script, snapshot_times, summary
+from rps_compat.recording import OpenRecorder
+from rps_compat.runner import RunSettings, run_script, snapshot_times, summary
 from rps_compat.session import Initial
+from rps_compat.surroundings import stdout_on_stderr
 
 #: Packages offer recorders under this group; the first is used.
 RECORDERS = "rps_compat.recorders"
@@ -74,7 +76,7 @@ def main(words: Sequence[str] | None = None) -> int:
         tell=lambda note: print(f"note: {note}", file=sys.stderr, flush=True),
     )
     # With --json the report alone is on stdout, for programs; the script talks on stderr.
-    with contextlib.redirect_stdout(sys.stderr) if asked.json else contextlib.nullcontext():
+    with stdout_on_stderr() if asked.json else contextlib.nullcontext():
         result = run_script(asked.script, asked.arguments, settings)
     print(result.as_json() if asked.json else summary(result))
     return result.exit_code

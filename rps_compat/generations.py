@@ -41,7 +41,6 @@ NEW_FUNCTIONS = frozenset(
         "create_pose_parking_controller_hybrid",
         "generate_initial_poses",
         "generate_random_positions",
-        "rotation_matrix",
         "unique_filename",
         "simulate_distance_sensors",
         "simulate_distance_sensors_without_robots",
@@ -71,23 +70,30 @@ ATTRIBUTES = {
 #: Attributes and methods that only generation 2 has.
 NEW_ATTRIBUTES = frozenset(ATTRIBUTES.values()) | {
     "initialize",
-    "get_distances",
     "get_distance_endpoints",
-    "get_encoders",
-    "get_accelerations",
-    "get_gyros",
-    "get_magnetic_fields",
-    "get_orientations",
     "robot_colormap",
     "_leds",
     "_robot_handle",
 }
+#: Functions, methods and arguments that generation 2 and the last release of generation 1 have:
+#: they stop no script, and speak for generation 2 only where nothing else speaks.
+SENSOR_NAMES = frozenset(
+    {
+        "get_distances",
+        "get_encoders",
+        "get_accelerations",
+        "get_gyros",
+        "get_magnetic_fields",
+        "get_orientations",
+        "rotation_matrix",
+        "use_distance_sensors",
+        "obstacles",
+    }
+)
 #: Constructor arguments that only generation 2 has.
 NEW_ARGUMENTS = frozenset(
     {
         "skip_initialization",
-        "use_distance_sensors",
-        "obstacles",
         "show_arena_boundaries",
         "show_distance_endpoints",
         "show_distance_rays",
@@ -141,12 +147,20 @@ class Evidence:
     @property
     def generation(self) -> Literal[1, 2]:
         """The likelier generation; without evidence 1, for which most scripts were written."""
-        return 2 if len(self.second) > len(self.first) else 1
+        second = len(self._second_alone)
+        if second or self.first:
+            return 2 if second > len(self.first) else 1
+        return 2 if self.second else 1
+
+    @property
+    def _second_alone(self) -> list[Clue]:
+        """What generation 1 has not, not even its last release."""
+        return [clue for clue in self.second if clue.name.rstrip("=") not in SENSOR_NAMES]
 
     @property
     def certain(self) -> bool:
         """Whether all evidence, and at least some, speaks for one generation."""
-        return bool(self.first) != bool(self.second)
+        return bool(self.first) != bool(self._second_alone if self.first else self.second)
 
     @property
     def nothing(self) -> bool:
@@ -262,14 +276,15 @@ class _Collector(ast.NodeVisitor):
     def _found(
         self, generation: Literal[1, 2], node: ast.stmt | ast.expr, name: str, fatal: bool
     ) -> None:
-        fatal = fatal and not self._guards and name not in self._probed
+        everywhere = name.rstrip("=") in SENSOR_NAMES
+        fatal = fatal and not (everywhere or self._guards or name in self._probed)
         clues = self.first if generation == 1 else self.second
         clues.append(Clue(node.lineno, name, fatal, self._module))
 
     def _function(self, node: ast.stmt | ast.expr, name: str, fatal: bool) -> None:
         if name in FUNCTIONS:
             self._found(1, node, name, fatal)
-        elif name in NEW_FUNCTIONS:
+        elif name in NEW_FUNCTIONS | {"rotation_matrix"}:
             self._found(2, node, name, fatal)
 
     def visit_ClassDef(self, node: ast.ClassDef) -> None:
@@ -302,7 +317,7 @@ class _Collector(ast.NodeVisitor):
         if known or name not in _COMMON:
             if name in ATTRIBUTES:
                 self._found(1, node, name, known or name == "call_at_scripts_end")
-            elif name in NEW_ATTRIBUTES:
+            elif name in NEW_ATTRIBUTES or (name in SENSOR_NAMES and name.startswith("get_")):
                 self._found(2, node, name, known)
         self.generic_visit(node)
 
@@ -332,7 +347,7 @@ class _Collector(ast.NodeVisitor):
             if any(not isinstance(argument, ast.Starred) for argument in positional):
                 self._found(1, node, _BY_POSITION, True)
             for keyword in node.keywords:
-                if keyword.arg in NEW_ARGUMENTS:
+                if keyword.arg in NEW_ARGUMENTS | SENSOR_NAMES:
                     self._found(2, node, f"{keyword.arg}=", True)
         function = node.func
         if (

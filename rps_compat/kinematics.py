@@ -115,3 +115,13 @@ def wheels_from_command(wheel_radius: float, base_length: float) -> Array:
 def _heading(poses: Array) -> Array:
     angles = poses[2]
     return np.array([np.cos(angles), np.sin(angles)])
+
+
+def rotations(angles: Array) -> Array:
+    """Rotations about the vertical axis, (3, 3, M) for M `angles` (rad) of any shape."""
+    cos, sin = np.cos(np.ravel(angles)), np.sin(np.ravel(angles))
+    turned = np.zeros((3, 3, cos.size))
+    turned[0, 0] = turned[1, 1] = cos
+    turned[0, 1], turned[1, 0] = -sin, sin
+    turned[2, 2] = 1.0
+    return turned

@@ -10,31 +10,30 @@ Ctrl-C or by the time limit, the log is closed and a report written.
 import contextlib
 import json
 import math
-import os
-import random
 import runpy
 import sys
 import traceback
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
-import numpy as np
-
-from rps_compat.arena import Arena, Array, Realism
+from rps_compat.arena import Realism
+from rps_compat.children.family import Family
+from rps_compat.children.plan import Plan, hand_on
 from rps_compat.clock import SimulatedClock
 from rps_compat.errors import RobotariumError, ScriptError
 from rps_compat.film import Film
 from rps_compat.generations import Evidence, evidence_in
-from rps_compat.install import Api, install, installed, uninstall
+from rps_compat.install import Api
 from rps_compat.old_numpy import old_numpy_names
-from rps_compat.report import RunReport, report_on
+from rps_compat.process_state import hiding_notes, process_state
+from rps_compat.recording import OpenRecorder, Recording
+from rps_compat.report import RunReport
 from rps_compat.session import Initial, Session
 from rps_compat.surroundings import (
     OutOfTime,
     answering,
-    forget_modules_of,
     has_display,
     headless_matplotlib,
     time_limit,
@@ -49,21 +48,6 @@ TOLD = 5
 
 class SettingsError(RobotariumError, ValueError):
     """A time limit, a snapshot's time or a seed outside its range."""
-
-
-class RunRecorder(Protocol):
-    """A recorder that is told how the run ended; the pose log is one."""
-
-    def append(self, time: float, poses: Array, commands: Array, /) -> None:
-        """Take note of one step."""
-
-    def close(self, how: str, reason: str, /) -> None:
-        """Take note of the end."""
-
-
-#: Makes the recorder of one instance: where (without ending), for how many robots, and what is
-#: known about the run.
-OpenRecorder = Callable[[Path, int, dict[str, Any]], RunRecorder]
 
 
 @dataclass(frozen=True)
@@ -147,7 +131,8 @@ class RunResult:
     exit_code
         For the shell: the script's own, or one of `EXIT_CODES`.
     reports
-        One for each Robotarium instance, in the order of their making.
+        One for each Robotarium instance, in the order of their making: first those of the script's
+        own process, then those of its child processes.
     files
         What the run left in its folder.
     notes
@@ -242,25 +227,6 @@ def _generation_notes(evidence: Evidence, api: Api, found: bool) -> list[str]:
     return notes
 
 
-class _Watch:
-    """Recorder of one instance: passes each step on to log, film and clock."""
-
-    def __init__(self, run: "_Run", log: RunRecorder | None) -> None:
-        self._run, self.log, self._before = run, log, 0.0
-        self.instance: Any = None
-
-    def append(self, time: float, poses: Array, commands: Array) -> None:
-        # The step that begins now takes its time, whatever else the script does in it.
-        end = time + (self.instance._arena.robot.time_step if self.instance else 0.0)
-        self._run.clock.advance(end - self._before)
-        self._before = end
-        if self.log is not None:
-            self.log.append(time, poses, commands)
-        film = self._run.film
-        if not film.idle and self._run.watches[0] is self:
-            film.at(time, self.instance)
-
-
 @dataclass
 class _Run:
     script: Path
@@ -269,8 +235,6 @@ class _Run:
     settings: RunSettings
     notes: list[str]
     clock: SimulatedClock = field(default_factory=SimulatedClock)
-    watches: list[_Watch] = field(default_factory=list)
-    logs: list[Path] = field(default_factory=list)
 
     def result(self) -> RunResult:
         settings = self.settings
@@ -284,70 +248,63 @@ class _Run:
         folder = self.out or Path.cwd()
         video = folder / settings.video if settings.video else None
         self.film = Film(settings.snapshots, folder, video)
+        about = {"script": self.script.name, "api": self.api, "seed": settings.seed}
+        self.recording = Recording(
+            self.out, settings.recorder, about, self.clock.advance, self.film
+        )
         session = Session(
             initial=settings.initial,
             seed=settings.seed,
             realism=settings.realism,
-            recorder=self._watch,
-            created=self._created,
+            recorder=self.recording.watch,
+            created=self.recording.created,
             wait=False if self.headless else None,
         )
+        self.family = Family(self._plan(), session, self.recording)
         with contextlib.ExitStack() as around:
-            around.enter_context(self._process_state())
+            names = around.enter_context(
+                process_state(self.script, self.arguments, self.api, settings.seed)
+            )
+            self._tell(hiding_notes(names))
             around.enter_context(session.active())
+            around.enter_context(self.family.at_home())
             around.enter_context(old_numpy_names())
             if self.headless:
                 around.enter_context(self.clock.in_force())
                 around.enter_context(headless_matplotlib())
                 around.enter_context(answering(settings.answers))
             ended, reason, exit_code = self._execute()
-            self.film.end(self.watches[0].instance if self.watches else None)
+            if not self.family.is_home:  # a fork of the script has come to its end
+                self.family.leave(ended, reason, exit_code)
+            self.film.end(self.recording.first)
+            self.notes += [note for note in hiding_notes(names) if note not in self.notes]
         return self._finish(ended, reason, exit_code)
 
-    def _watch(self, robots: int) -> _Watch:
-        log = None
-        if self.settings.recorder is not None and self.out is not None:
-            number = len(self.watches) + 1
-            path = self.out / ("poses" if number == 1 else f"poses-{number}")
-            about = {"script": self.script.name, "api": self.api, "seed": self.settings.seed}
-            log = self.settings.recorder(path, robots, about)
-            self.logs.append(path)
-        watch = _Watch(self, log)
-        self.watches.append(watch)
-        return watch
+    def _plan(self) -> Plan:
+        """Tell the script's children, if it starts some afresh, what they need."""
+        settings = self.settings
+        handed, lost = hand_on(settings.realism, settings.recorder)
+        return Plan(
+            script=self.script.name,
+            api=self.api,
+            seed=settings.seed,
+            initial=settings.initial,
+            headless=self.headless,
+            out=None if self.out is None else str(self.out),
+            handed=handed,
+            lost=lost,
+        )
 
-    def _created(self, instance: Any) -> None:
-        watch = instance._arena.recorder
-        if isinstance(watch, _Watch):
-            watch.instance = instance
-
-    @contextlib.contextmanager
-    def _process_state(self) -> Iterator[None]:
-        """Be where the script expects to be, and leave the process as it was."""
-        folder, argv, path = Path.cwd(), sys.argv, list(sys.path)
-        bytecode, api, modules = sys.dont_write_bytecode, installed(), set(sys.modules)
-        randomness = random.getstate(), np.random.get_state()  # noqa: NPY002
-        os.chdir(self.script.parent)
-        sys.argv = [str(self.script), *self.arguments]
-        sys.path.insert(0, str(self.script.parent))
-        sys.dont_write_bytecode = True  # the script's folder is not ours to write to
-        install(self.api)
-        if self.settings.seed is not None:
-            random.seed(self.settings.seed)
-            np.random.seed(self.settings.seed % 2**32)  # noqa: NPY002 - what scripts draw from
-        try:
-            yield
-        finally:
-            os.chdir(folder)
-            sys.argv, sys.path[:], sys.dont_write_bytecode = argv, path, bytecode
-            random.setstate(randomness[0])
-            np.random.set_state(randomness[1])  # noqa: NPY002
-            uninstall() if api is None else install(api)
-            forget_modules_of(self.script.parent, modules)
+    def _tell(self, notes: list[str]) -> None:
+        """Tell notes before the script starts, and keep them."""
+        self.notes += notes
+        if self.settings.tell is not None:
+            for note in notes:
+                self.settings.tell(note)
 
     def _execute(self) -> tuple[Ended, str, int]:
         try:
-            with time_limit(self.settings.timeout):
+            with time_limit(self.settings.timeout), self.family.ends_with_script():
                 runpy.run_path(str(self.script), run_name="__main__")
         except SystemExit as left:
             return _exit_of(left)
@@ -363,15 +320,10 @@ class _Run:
         return "finished", "", 0
 
     def _finish(self, ended: Ended, reason: str, exit_code: int) -> RunResult:
-        arenas: list[Arena] = [w.instance._arena for w in self.watches if w.instance is not None]
-        reports = tuple(report_on(arena) for arena in arenas)
-        files = list(self.film.files)
-        for watch, path in zip(
-            (w for w in self.watches if w.log is not None), self.logs, strict=True
-        ):
-            assert watch.log is not None
-            watch.log.close("interrupted" if ended == "timeout" else ended, reason)
-            files += sorted(path.parent.glob(f"{path.name}.*"))
+        children = self.family.children
+        reports = (*self.recording.reports(), *children.reports)
+        how = "interrupted" if ended == "timeout" else ended
+        files = [*self.film.files, *self.recording.close(how, reason), *children.files]
         texts = () if self.out is None else (self.out / "report.txt", self.out / "report.json")
         result = RunResult(
             self.script,
@@ -381,7 +333,7 @@ class _Run:
             exit_code,
             reports,
             (*files, *texts),
-            (*self.notes, *_notes_on(reports)),
+            (*self.notes, *_notes_on(reports), *children.notes),
             self.out,
         )
         if texts:
@@ -420,7 +372,9 @@ def summary(result: RunResult) -> str:
     if result.reason:
         lines[0] += f" ({result.reason})"
     for number, report in enumerate(result.reports, start=1):
-        which = f"Robotarium {number}: " if len(result.reports) > 1 else ""
+        which = f"Robotarium {number}" if len(result.reports) > 1 else ""
+        which += f" ({report.process})" if report.process else ""
+        which += ": " if which else ""
         lines.append(
             f"{which}{report.number_of_robots} robots, {report.steps} steps, "
             f"{report.duration:.1f} s on the testbed, {report.verdict}"

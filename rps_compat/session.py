@@ -47,6 +47,9 @@ class Session:
         Makes what records one instance, from its number of robots; None records nothing.
     created
         Is told of each new instance.
+    process
+        Numbers that tell the random streams of a child process of the script from others'; none in
+        its own process.
     wait
         Whether ``sim_in_real_time=True`` really waits: True, False, or None for only where
         somebody can see it, in a window.
@@ -58,6 +61,7 @@ class Session:
     recorder: Callable[[int], Recorder] | None = None
     created: Callable[[Any], None] | None = None
     wait: bool | None = None
+    process: tuple[int, ...] = ()
     instances: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
@@ -76,7 +80,7 @@ class Session:
         self.instances += 1
         if self.seed is None:
             return np.random.default_rng(np.random.randint(2**31))  # noqa: NPY002
-        return np.random.default_rng([self.seed, stream])
+        return np.random.default_rng([self.seed, stream, *self.process])
 
     def mode(self, published: Literal["exact", "drive"]) -> Literal["exact", "arrive", "drive"]:
         """How an instance comes to its initial conditions, if the API would do as `published`."""

@@ -108,6 +108,12 @@ class Violations:
                 self.close_by_robot[robot] = self.close_by_robot.get(robot, 0) + 1
             self._note("collision", (i, j), step, distance)
 
+    def lasting(self, since: int) -> list[Event]:
+        """Return the events that were seen at step `since` or later, of each kind and robots."""
+        if since == 0:
+            return self.events
+        return [event for event in self._open.values() if event.last >= since]
+
     def _note(self, kind: Kind, robots: tuple[int, ...], step: int, value: float) -> None:
         event = self._open.get((kind, robots))
         if event is None or event.last < step - 1:

@@ -110,7 +110,7 @@ def test_arguments_of_generation_2_are_answered_by_generation_1():
             super().__init__(number_of_robots=1, skip_initialization=bool(obstacles))
 
     try:
-        for make in (lambda: Robotarium(number_of_robots=1, obstacles=[]), lambda: Env([])):
+        for make in (lambda: Robotarium(number_of_robots=1, show_obstacles=True), lambda: Env([])):
             with pytest.raises(WrongGenerationError, match="is generation 2's: run with --api 2"):
                 make()
         # Scripts that try one generation and then the other catch what Python raises there.
@@ -146,15 +146,30 @@ def test_what_stops_a_script_is_told_with_its_line_and_the_right_name():
     assert "line 2: create_at_pose is generation 2's" in found.against(1)[0]
 
 
+LAST_RELEASE = """
+from rps.utilities.barrier_certificates import *
+r = Robotarium(number_of_robots=3, use_distance_sensors=True, obstacles=walls)
+r.get_distances(), r.get_encoders(), r.get_gyros(), r.get_orientations()
+"""
+
+
+def test_sensors_speak_for_generation_2_only_where_nothing_else_speaks():
+    assert evidence(LAST_RELEASE).generation == 2
+    first = evidence(f"{LAST_RELEASE}create_single_integrator_barrier_certificate()")
+    assert (first.generation, first.certain, first.against(1)) == (1, True, [])
+    second = evidence(f"{LAST_RELEASE}create_si_barrier_certificate()")
+    assert (second.generation, second.certain) == (2, True)
+
+
 @pytest.mark.parametrize(
     ("source", "generation", "told"),
     [
         ("r = Robotarium(3)", 2, "which takes names only"),
-        ("r = Robotarium(obstacles=[])", 1, "obstacles= is .* no such argument"),
+        ("r = Robotarium(show_obstacles=1)", 1, "show_obstacles= is .* no such argument"),
         ("r = Robotarium()\nr.time_step", 2, "line 2: time_step .* calls it TIME_STEP"),
         ("r = Robotarium()\nr.axes.plot()", 2, "calls it _axes_handle"),
         ("r = Robotarium()\nr.debug()", 1, r"calls it call_at_scripts_end\(\)"),
-        ("r = Robotarium()\nr.get_gyros()", 1, "has nothing like it"),
+        ("r = Robotarium()\nr.robot_colormap()", 1, "has nothing like it"),
         ("from rps.utilities.misc import *\nat_pose(x, y)", 2, "line 2: at_pose .* create_at_pose"),
         ("import rps.utilities.misc as m\nm.at_pose(x, y)", 2, "line 2: at_pose"),
         ("from rps.utilities.graph import cycle_GL", 2, "calls it cycleGL"),

@@ -108,6 +108,10 @@ def test_every_published_parameter_has_its_place_and_default(installed):
                 parameters = inspect.signature(getattr(ours, method)).parameters
                 wanted = [p for p in signature["parameters"] if p["name"] != "self"]
                 found = [p for p in parameters.values() if p.name != "self"]
+                if (installed, method) == (1, "__init__"):  # the last release has two more
+                    late = [p for p in found if p.name in ("use_distance_sensors", "obstacles")]
+                    assert found[len(wanted) :] == late
+                    found = found[: len(wanted)]
                 assert [p.name for p in found] == [p["name"] for p in wanted], (class_name, method)
                 for our, their in zip(found, wanted, strict=True):
                     assert our.kind.name == their["kind"]

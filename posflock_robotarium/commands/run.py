@@ -59,11 +59,11 @@ def run(
         posflock run --seed 1 --timeout 60 --snapshot 0,end -o results formation.py --robots 7
     """
     import contextlib
-    import sys
 
     from posflock_robotarium.recording import open_pose_log
     from rps_compat.profiles import load_profile
     from rps_compat.runner import RunSettings, run_script, snapshot_times, summary
+    from rps_compat.surroundings import stdout_on_stderr
 
     settings = RunSettings(
         api=None if api == 0 else (1 if api == 1 else 2),
@@ -80,7 +80,7 @@ def run(
         tell=lambda note: typer.echo(f"{script}: {note}", err=True),
     )
     # With --json the report alone is on stdout, for programs; the script talks on stderr.
-    with contextlib.redirect_stdout(sys.stderr) if as_json else contextlib.nullcontext():
+    with stdout_on_stderr() if as_json else contextlib.nullcontext():
         result = run_script(script, context.args, settings)
     typer.echo(result.as_json() if as_json else summary(result))
     raise typer.Exit(result.exit_code)

@@ -255,6 +255,7 @@ def _run(plan: TrialPlan, outcome: Outcome, pulse: mmap.mmap, deeds: int) -> Non
     import random
 
     import rps_compat
+    from rps_compat.own_imports import keep_apart
     from rps_compat.profiles import profile_from_dict
     from rps_compat.realism import Imperfections
     from rps_compat.session import Session
@@ -278,6 +279,7 @@ def _run(plan: TrialPlan, outcome: Outcome, pulse: mmap.mmap, deeds: int) -> Non
     random.seed(plan.seed)
     np.random.seed(plan.seed % 2**32)  # noqa: NPY002 - the script's stream, not ours
     rps_compat.install(api=plan.generation)
+    keep_apart(scratch)
     _limit(plan.memory)
     guard = Guard(scratch, deeds, lambda: watch._steps)
     guard.install()

@@ -138,6 +138,8 @@ class Nursery:
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             env=environment,
+            # The current folder comes first on the path there, and is the user's here.
+            cwd=sys.prefix,
             text=True,
         )
 

@@ -50,6 +50,14 @@ class SensorSuite:
         self._headings: Array = np.zeros(robots)
         self._turn_rates: Array = np.zeros(robots)
 
+    def start_from(self, ticks: Array) -> None:
+        """Begin to read in the middle of a run, when so many `ticks` (2, N) have been counted."""
+        of = self._of
+        self._encoders = self._encoders + ticks
+        if of._arena.steps:
+            self.remember()
+            self._noise = np.random.randn(10 * of.number_of_robots)  # noqa: NPY002
+
     def sense(self) -> None:
         """Renew all readings after a step; draws noise in the published order."""
         self._noise = None  # nobody asked for the last step's readings
