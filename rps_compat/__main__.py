@@ -1,7 +1,6 @@
 """``python -m rps_compat run SCRIPT`` and ``python -m rps_compat path --api 2``."""
 
 import argparse
-import contextlib
 import sys
 from collections.abc import Sequence
 from importlib.metadata import entry_points
@@ -10,7 +9,8 @@ from typing import get_args
 
 from rps_compat.errors import RobotariumError
 from rps_compat.install import import_path
-from rps_compat.runner import OpenRecorder, RunSettings, run_script, snapshot_times, summary
+from rps_compat.process import run_and_tell
+from rps_compat.runner import OpenRecorder, RunSettings, snapshot_times
 from rps_compat.session import Initial
 
 #: Packages offer recorders under this group; the first is used.
@@ -73,11 +73,7 @@ def main(words: Sequence[str] | None = None) -> int:
         recorder=offered_recorder(),
         tell=lambda note: print(f"note: {note}", file=sys.stderr, flush=True),
     )
-    # With --json the report alone is on stdout, for programs; the script talks on stderr.
-    with contextlib.redirect_stdout(sys.stderr) if asked.json else contextlib.nullcontext():
-        result = run_script(asked.script, asked.arguments, settings)
-    print(result.as_json() if asked.json else summary(result))
-    return result.exit_code
+    return run_and_tell(asked.script, asked.arguments, settings, asked.json)
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ The script runs as ``__main__``, from its own folder and with its own arguments,
 Around it stand the :class:`RunSettings`: which generation ``import rps`` means, seeds,
 imperfections, what is recorded and filmed. Headless, a simulated clock and a backend that draws on
 demand let the script run as fast as it computes. However it ends, by itself, by an exception, by
-Ctrl-C or by the time limit, the log is closed and a report written.
+Ctrl-C or by the time limit, the log is closed and a report written (see `rps_compat.ending`).
 """
 
 import contextlib
@@ -14,35 +14,31 @@ import os
 import random
 import runpy
 import sys
-import traceback
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal, Protocol
+from typing import Any, NoReturn, Protocol
 
 import numpy as np
 
 from rps_compat.arena import Arena, Array, Realism
 from rps_compat.clock import SimulatedClock
+from rps_compat.ending import LOGGED, End, Ended, TimeLimit, end_of
 from rps_compat.errors import RobotariumError, ScriptError
 from rps_compat.film import Film
 from rps_compat.generations import Evidence, evidence_in
 from rps_compat.install import Api, install, installed, uninstall
 from rps_compat.old_numpy import old_numpy_names
-from rps_compat.report import RunReport, report_on
+from rps_compat.report import TESTBED_SECONDS, RunReport, report_on
 from rps_compat.session import Initial, Session
 from rps_compat.surroundings import (
-    OutOfTime,
     answering,
     forget_modules_of,
     has_display,
     headless_matplotlib,
-    time_limit,
 )
 
-Ended = Literal["finished", "failed", "interrupted", "timeout"]
-#: Exit codes of a run that the script does not end itself, as shells have them.
-EXIT_CODES: dict[Ended, int] = {"finished": 0, "failed": 1, "interrupted": 130, "timeout": 124}
 #: Names of the other generation beyond this many are counted only.
 TOLD = 5
 
@@ -96,6 +92,9 @@ class RunSettings:
         Opens the log of one instance; None writes no log.
     tell
         Is told, before the script starts, each note on the generation that it runs on.
+    end_process
+        Is called in another thread, with the result, if the time limit cannot stop the script; it
+        must end the process. None lets such a script run on.
 
     Raises
     ------
@@ -115,6 +114,7 @@ class RunSettings:
     video: Path | None = None
     recorder: OpenRecorder | None = None
     tell: Callable[[str], None] | None = None
+    end_process: "Callable[[RunResult], NoReturn] | None" = None
 
     def __post_init__(self) -> None:
         if self.timeout is not None and not self.timeout > 0:
@@ -141,11 +141,12 @@ class RunResult:
     api
         The generation that it ran on.
     ended
-        "finished", "failed" (an exception), "interrupted" (Ctrl-C) or "timeout".
+        "finished", "failed" (an exception), "interrupted" (Ctrl-C), "timeout", "stuck" (all that
+        was left waited for ever) or "idle" (it made a Robotarium and never stepped it).
     reason
         In words, for everything but "finished".
     exit_code
-        For the shell: the script's own, or one of `EXIT_CODES`.
+        For the shell: the script's own, or one of `rps_compat.ending.EXIT_CODES`.
     reports
         One for each Robotarium instance, in the order of their making.
     files
@@ -205,7 +206,9 @@ def run_script(
     """Run `script` with `arguments` and report how it went.
 
     An exception of the script does not pass: its traceback is printed to stderr, without our own
-    frames, and the result says "failed".
+    frames, and the result says "failed". Threads of the script that are no daemons are waited for,
+    as Python does; a run that ends by "timeout", "interrupted" or "stuck" may leave threads behind,
+    which end with their next step. Nothing within a process can end them sooner.
 
     Raises
     ------
@@ -250,9 +253,11 @@ class _Watch:
         self.instance: Any = None
 
     def append(self, time: float, poses: Array, commands: Array) -> None:
-        # The step that begins now takes its time, whatever else the script does in it.
+        # The step that begins now takes its time, and at its end that has passed.
+        if self._run.over and threading.current_thread() is not threading.main_thread():
+            raise SystemExit  # it outlived the run
         end = time + (self.instance._arena.robot.time_step if self.instance else 0.0)
-        self._run.clock.advance(end - self._before)
+        self._run.due += end - self._before
         self._before = end
         if self.log is not None:
             self.log.append(time, poses, commands)
@@ -268,9 +273,14 @@ class _Run:
     api: Api
     settings: RunSettings
     notes: list[str]
-    clock: SimulatedClock = field(default_factory=SimulatedClock)
+    clock: SimulatedClock = field(
+        default_factory=lambda: SimulatedClock(longest_wait=TESTBED_SECONDS)
+    )
     watches: list[_Watch] = field(default_factory=list)
     logs: list[Path] = field(default_factory=list)
+    window_notes: dict[str, None] = field(default_factory=dict)
+    due: float = 0.0
+    over: bool = False
 
     def result(self) -> RunResult:
         settings = self.settings
@@ -290,7 +300,7 @@ class _Run:
             realism=settings.realism,
             recorder=self._watch,
             created=self._created,
-            wait=False if self.headless else None,
+            pace=self if self.headless else None,
         )
         with contextlib.ExitStack() as around:
             around.enter_context(self._process_state())
@@ -298,11 +308,18 @@ class _Run:
             around.enter_context(old_numpy_names())
             if self.headless:
                 around.enter_context(self.clock.in_force())
-                around.enter_context(headless_matplotlib())
+                self.window_notes = around.enter_context(headless_matplotlib())
                 around.enter_context(answering(settings.answers))
-            ended, reason, exit_code = self._execute()
+            limit = TimeLimit(settings.timeout, self._give_up if settings.end_process else None)
+            end = end_of(self._run_script, self.script, limit)
+            self.over = True
             self.film.end(self.watches[0].instance if self.watches else None)
-        return self._finish(ended, reason, exit_code)
+        return self._finish(self._idle_if_nothing_moved(end))
+
+    def after_step(self, time_step: float) -> None:
+        """Let a step's time pass, as the pace of every instance."""
+        due, self.due = self.due, 0.0
+        self.clock.advance(due)
 
     def _watch(self, robots: int) -> _Watch:
         log = None
@@ -345,24 +362,28 @@ class _Run:
             uninstall() if api is None else install(api)
             forget_modules_of(self.script.parent, modules)
 
-    def _execute(self) -> tuple[Ended, str, int]:
-        try:
-            with time_limit(self.settings.timeout):
-                runpy.run_path(str(self.script), run_name="__main__")
-        except SystemExit as left:
-            return _exit_of(left)
-        except OutOfTime:
-            limit = self.settings.timeout
-            reason = f"stopped by the time limit of {limit:g} s"
-            return "timeout", reason, EXIT_CODES["timeout"]
-        except KeyboardInterrupt:
-            return "interrupted", "KeyboardInterrupt", EXIT_CODES["interrupted"]
-        except BaseException as error:
-            _print_traceback(error, self.script)
-            return "failed", f"{type(error).__name__}: {error}", EXIT_CODES["failed"]
-        return "finished", "", 0
+    def _run_script(self) -> None:
+        runpy.run_path(str(self.script), run_name="__main__")
 
-    def _finish(self, ended: Ended, reason: str, exit_code: int) -> RunResult:
+    def _give_up(self) -> None:
+        assert self.settings.end_process is not None
+        self.over = True
+        self.settings.end_process(self._finish(TimeLimit(self.settings.timeout).end))
+
+    def _idle_if_nothing_moved(self, end: End) -> End:
+        arenas = [watch.instance._arena for watch in self.watches if watch.instance is not None]
+        moved = any(arena.steps > arena.steps_to_start for arena in arenas)
+        if moved or not arenas or end.ended != "finished":
+            return end
+        return End.of("idle", "a Robotarium was made and never stepped: nothing would move")
+
+    def _notes_on_time(self) -> list[str]:
+        """Note what kept the real time, and animations that were cut."""
+        real = ", ".join(self.clock.real_reasons)
+        notes = [f"in real time, since it cannot be simulated: {real}"] if real else []
+        return [*notes, *self.window_notes]
+
+    def _finish(self, end: End) -> RunResult:
         arenas: list[Arena] = [w.instance._arena for w in self.watches if w.instance is not None]
         reports = tuple(report_on(arena) for arena in arenas)
         files = list(self.film.files)
@@ -370,18 +391,18 @@ class _Run:
             (w for w in self.watches if w.log is not None), self.logs, strict=True
         ):
             assert watch.log is not None
-            watch.log.close("interrupted" if ended == "timeout" else ended, reason)
+            watch.log.close(LOGGED.get(end.ended, end.ended), end.reason)
             files += sorted(path.parent.glob(f"{path.name}.*"))
         texts = () if self.out is None else (self.out / "report.txt", self.out / "report.json")
         result = RunResult(
             self.script,
             self.api,
-            ended,
-            reason,
-            exit_code,
+            end.ended,
+            end.reason,
+            end.exit_code,
             reports,
             (*files, *texts),
-            (*self.notes, *_notes_on(reports)),
+            (*self.notes, *_notes_on(reports), *self._notes_on_time()),
             self.out,
         )
         if texts:
@@ -396,22 +417,6 @@ def _notes_on(reports: tuple[RunReport, ...]) -> tuple[str, ...]:
     if not reports:
         return ("no Robotarium was made: there is nothing to report on",)
     return tuple(dict.fromkeys(note for report in reports for note in report.notes))
-
-
-def _exit_of(left: SystemExit) -> tuple[Ended, str, int]:
-    if left.code is None or left.code == 0:
-        return "finished", "", 0
-    if isinstance(left.code, int):
-        return "failed", f"the script left with exit code {left.code}", left.code
-    print(left.code, file=sys.stderr)
-    return "failed", str(left.code), 1
-
-
-def _print_traceback(error: BaseException, script: Path) -> None:
-    frames = error.__traceback__
-    while frames is not None and frames.tb_frame.f_code.co_filename != str(script):
-        frames = frames.tb_next
-    traceback.print_exception(type(error), error, frames or error.__traceback__)
 
 
 def summary(result: RunResult) -> str:

@@ -1,25 +1,16 @@
 """What stands around a script while it runs, and is put back when it ends.
 
-A matplotlib that draws on demand, prepared answers to ``input()``, a limit of real time: each is
-a context manager, so that a script that fails leaves the process as it found it.
+A matplotlib that draws on demand, prepared answers to ``input()``: each is a context manager, so
+that a script that fails leaves the process as it found it.
 """
 
 import builtins
 import contextlib
-import math
 import os
-import signal
 import sys
-import threading
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from types import FrameType
 
-from rps_compat.errors import ScriptError
-
-
-class OutOfTime(BaseException):
-    """The time limit of a run is over; not an Exception, so that scripts do not swallow it."""
 
 
 def has_display() -> bool:
@@ -30,10 +21,15 @@ def has_display() -> bool:
 
 
 @contextlib.contextmanager
-def headless_matplotlib() -> Iterator[None]:
-    """Draw on demand, whatever window system the script asks matplotlib for."""
+def headless_matplotlib() -> Iterator[dict[str, None]]:
+    """Draw on demand, whatever window system the script asks matplotlib for.
+
+    The block is given what the run will have to tell about its windows.
+    """
     import matplotlib as mpl
     from matplotlib import pyplot as plt
+
+    from rps_compat import headless_backend
 
     figures, backend, use, switch = (
         plt.get_fignums(),
@@ -43,8 +39,9 @@ def headless_matplotlib() -> Iterator[None]:
     )
     switch("module://rps_compat.headless_backend")
     mpl.use = plt.switch_backend = lambda *args, **kwargs: None  # type: ignore[assignment]
+    headless_backend.notes.clear()
     try:
-        yield
+        yield headless_backend.notes
     finally:
         for number in set(plt.get_fignums()) - set(figures):
             plt.close(number)
@@ -67,30 +64,6 @@ def answering(answers: Sequence[str]) -> Iterator[None]:
         yield
     finally:
         builtins.input = asked
-
-
-@contextlib.contextmanager
-def time_limit(seconds: float | None) -> Iterator[None]:
-    """Raise OutOfTime in the script after `seconds` of real time."""
-    if seconds is None or not math.isfinite(seconds):
-        yield
-        return
-    if threading.current_thread() is not threading.main_thread() or not hasattr(
-        signal, "setitimer"
-    ):
-        raise ScriptError("a time limit needs the main thread of a POSIX system")
-
-    def stop(number: int, frame: FrameType | None) -> None:
-        raise OutOfTime
-
-    before = signal.signal(signal.SIGALRM, stop)
-    # Repeated, because a bare `except:` in the script may swallow the first.
-    signal.setitimer(signal.ITIMER_REAL, seconds, 0.25)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
 
 
 def forget_modules_of(folder: Path, known: set[str]) -> None:

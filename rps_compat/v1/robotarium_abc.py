@@ -112,7 +112,7 @@ class RobotariumABC(ABC):
         self._picture: ArenaFigure | None = None
         if show_figure:
             self._open_figure().show()
-        self._pace = pace_of(self._picture, sim_in_real_time, self._session.wait)
+        self._pace = pace_of(self._picture, sim_in_real_time, self._session)
         if self._session.created is not None:
             self._session.created(self)
         if mode == "drive":

@@ -1,0 +1,454 @@
+"""Threads that wait in simulated time: a small discrete-event scheduler.
+
+Simulated time belongs to the thread that makes the steps, the *stepper*; at first that is the main
+thread. It moves in three ways:
+
+1.  The stepper steps. Time moves on by the step, through the deadlines of all who wait meanwhile.
+    Each is woken at its own time, one after the other, and has its turn: time stands still until
+    it waits again.
+2.  The stepper waits, and so does everybody else: time jumps to the earliest deadline.
+3.  Somebody computes for longer than his turn. Then neither a step nor a wait outruns the real
+    time, as it could not on the testbed. Nor does a wait while somebody waits for another process
+    or a socket, whose time is real.
+
+The stepper moves time on itself, inside its own waits and steps. Where it hangs in a wait that the
+scheduler was not told of, or neither steps nor waits for long, a ticking thread does so in its
+place, in real time: whoever sleeps must wake.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import heapq
+import math
+from collections.abc import Iterator
+from itertools import count
+
+from rps_compat.clock import real
+from rps_compat.clock.stuck import Stuck, where_they_wait
+from rps_compat.clock.threads import LOOKS, ScriptThread, State
+from rps_compat.clock.waits import Wait
+
+#: Real seconds after which who waits for others looks at what they do.
+LOOK_AGAIN = 0.001
+#: Real seconds that all must have waited for ever: something that Python does not see may come.
+PATIENCE = 1.0
+
+
+class Scheduler:
+    """Simulated time and those who wait in it.
+
+    Parameters
+    ----------
+    longest_wait
+        Simulated seconds without a step after which whoever waits is told that it is for ever.
+
+    Attributes
+    ----------
+    elapsed : float
+        Simulated seconds.
+    foreign : set of int
+        Threads that ran before and keep the real time, by their idents.
+    over : bool
+        Whether the clock is no longer in force: waits end in real time.
+    moves : int
+        How often the stepper has stepped or waited.
+    real_reasons : dict
+        Why simulated time went with the real time; the keys are words for people.
+    """
+
+    def __init__(self, longest_wait: float = math.inf) -> None:
+        self.elapsed = 0.0
+        self.over = False
+        self.moves = 0
+        self.real_reasons: dict[str, None] = {}
+        self.longest_wait = longest_wait
+        self._stepped = 0.0
+        self._begin()
+
+    def _begin(self) -> None:
+        """Know nobody but the running thread: at the start, and in a forked process."""
+        self.lock = real.reentrant_lock()
+        me = ScriptThread(real.threading._active.get(real.get_ident()))  # type: ignore[attr-defined]
+        me.arrive()
+        self.main = self.stepper = me
+        self.threads: dict[int, ScriptThread] = {me.ident or 0: me}
+        self.foreign: set[int] = set()
+        self._starting: dict[object, ScriptThread] = {}
+        self._busy: set[ScriptThread] = set()
+        self._outside: set[ScriptThread] = set()
+        self._polled: list[Wait] = []
+        self.alarm: Wait | None = None
+        self._deadlines: list[tuple[float, int, Wait]] = []
+        self._order = count()
+        self._leash: tuple[float, float] | None = None
+        self._silent_since: float | None = None
+        self._reviewed = 0.0
+
+    # --- Who is there ---------------------------------------------------------------------------
+
+    def me(self) -> ScriptThread:
+        """Return the running thread; one that nobody announced is taken in."""
+        ident = real.get_ident()
+        known = self.threads.get(ident)
+        if known is None:
+            known = ScriptThread(real.threading._active.get(ident))  # type: ignore[attr-defined]
+            known.arrive()
+            with self.lock:
+                self.threads[ident] = known
+                self._changed()
+        return known
+
+    def expect(self, thread: object, started_at: str) -> None:
+        """Take note that `thread` is being started: time stands still until it runs.
+
+        `thread` is a `threading.Thread`, or anything that stands for one that has none.
+        """
+        with self.lock:
+            coming = self._starting[thread] = ScriptThread(thread, started_at)
+            self._busy.add(coming)
+            self._changed()
+
+    def arrived(self, thread: object) -> None:
+        """Take note that `thread`, the running one, has begun."""
+        with self.lock:
+            coming = self._starting.pop(thread, None) or ScriptThread(thread)
+            coming.arrive()
+            ident = real.get_ident()
+            self.foreign.discard(ident)  # numbers of ended threads are used again
+            self.threads[ident] = coming
+            self._busy.add(coming)
+            self._changed()
+
+    def ended(self, thread: object) -> None:
+        """Take note that `thread` is past its last line, or was never started."""
+        with self.lock:
+            gone = self._starting.pop(thread, None) or self._known(thread)
+            if gone is not None:
+                self._forget(gone)
+
+    def _known(self, thread: object) -> ScriptThread | None:
+        return next((known for known in self.threads.values() if known.thread is thread), None)
+
+    def _forget(self, gone: ScriptThread) -> None:
+        self.threads.pop(gone.ident or 0, None)
+        self._busy.discard(gone)
+        self._outside.discard(gone)
+        for wait in gone.joiners:
+            self.wake(wait)
+        if self.stepper is gone:
+            self._give_wheel(self.main)
+        self._changed()
+        self._look_around()
+
+    def _give_wheel(self, thread: ScriptThread) -> None:
+        """Let `thread` be the one that moves time on."""
+        before, self.stepper = self.stepper, thread
+        self._busy.discard(thread)
+        if before.state is State.RUNNING and before.ident in self.threads:
+            before.begin_turn()
+            self._busy.add(before)
+        for wait in (before.wait, thread.wait):
+            if wait is not None:
+                wait.ring()
+
+    def _changed(self) -> None:
+        """Do what depends on who is there."""
+
+    # --- Waiting --------------------------------------------------------------------------------
+
+    def wait(self, timeout: float | None, wait: Wait | None = None) -> bool:
+        """Wait in simulated time; return whether somebody woke the thread before the deadline.
+
+        Parameters
+        ----------
+        timeout
+            Simulated seconds; None waits until woken.
+        wait
+            The wait that others know of; by default nobody does.
+
+        Raises
+        ------
+        Stuck
+            Nothing will ever wake the thread.
+        """
+        me, wait = self.me(), wait or Wait(self)
+        outer = me.wait
+        with self.lock:
+            if wait.over:
+                return wait.woken
+            wait.thread = me
+            me.wait, me.state = wait, State.WAITING
+            self._busy.discard(me)
+            self.moves += self.stepper is me and timeout != 0
+            if timeout is not None:
+                self.schedule(wait, timeout)
+            if wait.polled:
+                self._polled.append(wait)
+            self._look_around()
+        try:
+            while not wait.over and not self.over:
+                if self.stepper is me:
+                    self._move_time(wait)
+                else:
+                    wait.block()
+            self._wait_on(wait)
+        finally:
+            with self.lock:
+                wait.expired = not wait.woken  # whoever comes now comes too late
+                me.wait = outer
+                me.state = State.RUNNING if outer is None else State.WAITING
+                if self.stepper is not me and outer is None:
+                    self._busy.add(me)
+                if wait.polled:
+                    self._polled.remove(wait)
+        if wait.failure is not None:
+            raise wait.failure
+        return wait.woken
+
+    def _wait_on(self, wait: Wait) -> None:
+        """Wait on in real time, since the clock is no longer in force."""
+        end = real.monotonic() + wait.deadline - self.elapsed
+        while not wait.over:
+            left = end - real.monotonic()
+            if left <= 0:
+                return
+            wait.block(left)
+
+    def wait_for_end(self, thread: object) -> Wait | None:
+        """Return a wait that is over when `thread` has ended; None if nothing is known of it."""
+        with self.lock:
+            known = self._starting.get(thread) or self._known(thread)
+            if known is None:
+                return None
+            known.joiners.append(Wait(self))
+            return known.joiners[-1]
+
+    def schedule(self, wait: Wait, seconds: float) -> None:
+        """End `wait` in so many seconds from now, if nothing ends it before."""
+        with self.lock:
+            wait.deadline = self.elapsed + max(seconds, 0.0)
+            heapq.heappush(self._deadlines, (wait.deadline, next(self._order), wait))
+            self._changed()
+
+    def is_waited(self, wait: Wait) -> bool:
+        """Whether a thread of this process waits, or is about to, and can be woken."""
+        thread = wait.thread
+        return not wait.over and (thread is None or self.threads.get(thread.ident or 0) is thread)
+
+    def wake(self, wait: Wait) -> None:
+        """End a wait before its deadline."""
+        with self.lock:
+            if not wait.over:
+                wait.woken = True
+                self.woken(wait)
+
+    def woken(self, wait: Wait) -> None:
+        """Let the thread of a wait that is over go on: it has its turn."""
+        thread = wait.thread
+        if thread is not None and thread is not self.stepper and thread.wait is wait:
+            thread.state = State.RUNNING
+            thread.begin_turn()
+            self._busy.add(thread)
+        self._silent_since = None
+        wait.ring()
+
+    @contextlib.contextmanager
+    def outside(self, reason: str) -> Iterator[None]:
+        """Wait for the world outside within the ``with`` block: its time is real.
+
+        Parameters
+        ----------
+        reason
+            For whom, in words for people.
+        """
+        me = self.me()
+        if me.state is State.OUTSIDE:
+            yield
+            return
+        with self.lock:
+            me.state, me.since = State.OUTSIDE, real.monotonic()
+            self._busy.discard(me)
+            self._outside.add(me)
+            self._look_around()
+        try:
+            yield
+        finally:
+            with self.lock:
+                me.state = State.RUNNING
+                self._outside.discard(me)
+                if self.stepper is me:
+                    passed = real.monotonic() - me.since
+                    self._pass(passed, reason)
+                else:
+                    me.begin_turn()
+                    self._busy.add(me)
+            if self.stepper is me and self._deadlines:
+                self.move_to(self.elapsed)
+
+    # --- Moving time ----------------------------------------------------------------------------
+
+    def move_to(self, target: float) -> None:
+        """Let the running thread, which steps, move time to `target`."""
+        me = self.me()
+        with self.lock:
+            if self.stepper is not me:
+                self._give_wheel(me)
+            alone = not (self._busy or self._outside or me.asks)
+            if alone and self.next_deadline() > target:
+                self.elapsed = max(self.elapsed, target)
+                return
+        wait = Wait(self)
+        outer, me.engine = me.engine, wait
+        try:
+            while True:
+                with self.lock:
+                    pause = self._turn(target, asks=me.asks)
+                if pause is None:
+                    return
+                if pause:
+                    wait.block(pause)
+        finally:
+            me.engine, me.asks = outer, False
+
+    def _move_time(self, wait: Wait) -> None:
+        """Move time on until `wait`, of the stepper, is over, or another thread steps."""
+        me = self.stepper
+        outer, me.engine = me.engine, wait
+        try:
+            while True:
+                with self.lock:
+                    if wait.over or self.over or self.stepper is not me:
+                        return
+                    pause = self._turn(wait.deadline, asks=True)
+                if pause:
+                    wait.block(pause)
+        finally:
+            me.engine, me.asks = outer, False
+
+    def _look_around(self) -> None:
+        """Tell who moves time on that somebody waits now who did not."""
+        if self.stepper.engine is not None and not any(thread.turn for thread in self._busy):
+            self.stepper.engine.ring()
+
+    def _turn(self, target: float, asks: bool) -> float | None:
+        """Move time on if nobody needs more of it.
+
+        Parameters
+        ----------
+        target
+            How far time may go, simulated seconds.
+        asks
+            Whether those who wait for the world outside hold it to the real time.
+
+        Returns
+        -------
+        float or None
+            Real seconds to block for before the next turn; None at the target.
+        """
+        goal = min(self.next_deadline(), target)
+        if self._busy or self._outside:
+            self._review()
+            if any(thread.turn for thread in self._busy):
+                return LOOK_AGAIN
+        if goal > self.elapsed:
+            if self._ready():
+                return LOOK_AGAIN
+            if self._busy or (asks and (self._outside or self.stepper.asks)):
+                self._go_with_real_time(goal)
+                if self.elapsed < goal:
+                    return min(LOOK_AGAIN, goal - self.elapsed)
+            else:
+                self._leash = None
+        if math.isinf(goal):
+            return self._nobody_will_wake_anybody()
+        self._silent_since = None
+        self.elapsed = max(self.elapsed, goal)
+        if not self.fire_next():
+            return None
+        self._check_length()
+        return 0.0
+
+    def next_deadline(self) -> float:
+        """When the next wait ends; infinity where none does."""
+        deadlines = self._deadlines
+        while deadlines and deadlines[0][2].over:
+            heapq.heappop(deadlines)
+        return deadlines[0][0] if deadlines else math.inf
+
+    def fire_next(self) -> bool:
+        """End the first wait whose deadline has come; return whether there was one."""
+        if self.next_deadline() > self.elapsed:
+            return False
+        heapq.heappop(self._deadlines)[2].fire()
+        return True
+
+    def _ready(self) -> bool:
+        """Wake those whose descriptors are ready; return whether there are any."""
+        ready = [wait for wait in self._polled if not wait.over and wait.ready()]
+        for wait in ready:
+            self.wake(wait)
+        return bool(ready)
+
+    def _go_with_real_time(self, goal: float) -> None:
+        """Move time towards `goal`, no farther than real time went since the last such move."""
+        now = real.monotonic()
+        if self._leash is None:
+            self._leash = (self.elapsed, now)
+        time, then = self._leash
+        self.elapsed = min(goal, max(self.elapsed, time + now - then))
+        if self._busy:
+            self.real_reasons["threads that compute"] = None
+        if self.elapsed >= goal:
+            self._leash = (self.elapsed, now)
+
+    def _pass(self, seconds: float, reason: str) -> None:
+        """Let real `seconds` pass in simulated time, too."""
+        self.elapsed += seconds
+        if seconds > LOOK_AGAIN:
+            self.real_reasons[reason] = None
+
+    def _review(self) -> None:
+        """Look at what those do who were woken and have not waited again."""
+        now = real.monotonic()
+        if now < self._reviewed + LOOK_AGAIN:
+            return
+        self._reviewed = now
+        for thread in list(self._busy):
+            thread.look()
+            if thread.asleep >= LOOKS:
+                self._busy.discard(thread)
+                self._outside.add(thread)
+            if thread.gone:
+                self._forget(thread)
+        for thread in list(self._outside):
+            if thread.state is State.RUNNING and thread.stirs():
+                self._outside.discard(thread)
+                self._busy.add(thread)
+                thread.begin_turn()
+
+    # --- Waiting for ever -----------------------------------------------------------------------
+
+    def _nobody_will_wake_anybody(self) -> float:
+        """Wait a while all the same, then say so in the main thread."""
+        now = real.monotonic()
+        if self._silent_since is None:
+            self._silent_since = now
+        if now - self._silent_since < PATIENCE:
+            return 0.05
+        self._fail(f"nothing is left to wake it: {where_they_wait(self.threads.values())}")
+        return 0.05
+
+    def _check_length(self) -> None:
+        if self.elapsed - self._stepped > self.longest_wait:
+            waiting = [thread for thread in self.threads.values() if thread.wait is not None]
+            waits = where_they_wait(waiting or [self.main])
+            self._fail(f"no step for {self.longest_wait:g} s of the run: {waits}")
+
+    def _fail(self, message: str) -> None:
+        """Raise Stuck in the main thread, where it waits, or else in the running one."""
+        wait = self.main.wait
+        if self.stepper is self.main or wait is None:
+            raise Stuck(message)
+        wait.failure = Stuck(message)
+        wait.fire()

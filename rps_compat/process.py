@@ -1,0 +1,53 @@
+"""A run that has its process to itself, as a command line has: it tells its result, and can end it.
+
+What `run_script` cannot do, since the process may be somebody else's, is to end a script whose
+threads go on. Here the process ends with the script, at the latest at its time limit.
+"""
+
+import contextlib
+import sys
+import threading
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import NoReturn
+
+from rps_compat.ending import EXIT_CODES, end_process, leave
+from rps_compat.last_resort import last_resort
+from rps_compat.runner import RunResult, RunSettings, run_script, summary
+
+#: Real seconds after the time limit when a process ends that did not come to write its report.
+GRACE = 10.0
+
+
+def run_and_tell(
+    script: Path, arguments: Sequence[str], settings: RunSettings, as_json: bool
+) -> int:
+    """Run `script`, print its result, and return the exit code.
+
+    Does not return where Python would wait for threads or processes of a script that has ended, or
+    that its time limit cannot stop.
+
+    Parameters
+    ----------
+    script, arguments, settings
+        As `run_script` takes them.
+    as_json
+        Print the result as JSON and alone; the script then talks on stderr.
+    """
+    stdout, ours = sys.stdout, set(threading.enumerate())
+
+    def tell(result: RunResult) -> None:
+        print(result.as_json() if as_json else summary(result), file=stdout, flush=True)
+
+    def give_up(result: RunResult) -> NoReturn:
+        tell(result)
+        end_process(result.exit_code)
+
+    talks = contextlib.redirect_stdout(sys.stderr) if as_json else contextlib.nullcontext()
+    limit = None if settings.timeout is None else settings.timeout + GRACE
+    with last_resort(limit, EXIT_CODES["timeout"]), talks:
+        result = run_script(script, arguments, replace(settings, end_process=give_up))
+    tell(result)
+    leave(result.exit_code, ours)
+    return result.exit_code
