@@ -146,8 +146,7 @@ class Scheduler:
         before, self.stepper = self.stepper, thread
         self._busy.discard(thread)
         if before.state is State.RUNNING and before.ident in self.threads:
-            before.begin_turn()
-            self._busy.add(before)
+            self._runs(before)
         for wait in (before.wait, thread.wait):
             if wait is not None:
                 wait.ring()
@@ -180,6 +179,7 @@ class Scheduler:
             wait.thread = me
             me.wait, me.state = wait, State.WAITING
             self._busy.discard(me)
+            self._outside.discard(me)
             self.moves += self.stepper is me and timeout != 0
             if timeout is not None:
                 self.schedule(wait, timeout)
@@ -197,9 +197,10 @@ class Scheduler:
             with self.lock:
                 wait.expired = not wait.woken  # whoever comes now comes too late
                 me.wait = outer
-                me.state = State.RUNNING if outer is None else State.WAITING
-                if self.stepper is not me and outer is None:
-                    self._busy.add(me)
+                if outer is None:
+                    self._runs(me)
+                else:
+                    me.state = State.WAITING
                 if wait.polled:
                     self._polled.remove(wait)
         if wait.failure is not None:
@@ -245,13 +246,17 @@ class Scheduler:
 
     def woken(self, wait: Wait) -> None:
         """Let the thread of a wait that is over go on: it has its turn."""
-        thread = wait.thread
-        if thread is not None and thread is not self.stepper and thread.wait is wait:
-            thread.state = State.RUNNING
-            thread.begin_turn()
-            self._busy.add(thread)
+        if wait.thread is not None and wait.thread.wait is wait:
+            self._runs(wait.thread)
         self._silent_since = None
         wait.ring()
+
+    def _runs(self, thread: ScriptThread) -> None:
+        """Take note that `thread` does not wait any more; it has its turn."""
+        thread.state = State.RUNNING
+        if thread is not self.stepper and thread not in self._busy:
+            thread.begin_turn()
+            self._busy.add(thread)
 
     @contextlib.contextmanager
     def outside(self, reason: str) -> Iterator[None]:
@@ -275,14 +280,11 @@ class Scheduler:
             yield
         finally:
             with self.lock:
-                me.state = State.RUNNING
                 self._outside.discard(me)
+                self._runs(me)
                 if self.stepper is me:
                     passed = real.monotonic() - me.since
                     self._pass(passed, reason)
-                else:
-                    me.begin_turn()
-                    self._busy.add(me)
             if self.stepper is me and self._deadlines:
                 self.move_to(self.elapsed)
 
@@ -294,7 +296,7 @@ class Scheduler:
         with self.lock:
             if self.stepper is not me:
                 self._give_wheel(me)
-            alone = not (self._busy or self._outside or me.asks)
+            alone = not (self._busy or self._outside or self._polled or me.asks)
             if alone and self.next_deadline() > target:
                 self.elapsed = max(self.elapsed, target)
                 return
