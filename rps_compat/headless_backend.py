@@ -40,7 +40,7 @@ class HeadlessTimer(TimerBase):
         self.canvas = weakref.ref(canvas)
         self.due, self._from, self._serves = math.inf, 0.0, False
         self.number, self._repeats = next(_order), False
-        super().__init__(*arguments, **named)  # type: ignore[no-untyped-call]
+        super().__init__(*arguments, **named)
 
     def _timer_start(self) -> None:
         self._from = time.monotonic()
@@ -66,20 +66,20 @@ class HeadlessTimer(TimerBase):
         repeating = self._played_once()
         self._serves = True
         try:
-            self._on_timer()  # type: ignore[no-untyped-call]
+            self._on_timer()  # type: ignore[attr-defined]  # of every timer
         finally:
             self._serves = False
         if any(animation.event_source is None for animation in repeating):
             notes["an animation that would repeat for ever was played once"] = None
         if self.single_shot:
-            self.stop()  # type: ignore[no-untyped-call]
+            self.stop()
         if self.due < math.inf:
             self._from = max(self._from + self.interval / 1000, time.monotonic() - 1e-9)
             self.due = self._from
 
     def _played_once(self) -> list[Any]:
         """Let the animations of this timer not repeat; return those that would have."""
-        owners = [getattr(function, "__self__", None) for function, _, _ in self.callbacks]
+        owners: list[Any] = [getattr(function, "__self__", None) for function, *_ in self.callbacks]
         animations = [owner for owner in owners if getattr(owner, "_repeat", None) is not None]
         for animation in animations:
             self._repeats |= animation._repeat

@@ -12,7 +12,6 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 
-
 def has_display() -> bool:
     """Whether a window could be opened here."""
     if sys.platform in ("win32", "darwin"):

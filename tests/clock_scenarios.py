@@ -332,9 +332,7 @@ def pools_of_threads():
             futures[3].result(timeout=3)
         except concurrent.futures.TimeoutError:
             out.append(("timeout", since(start)))
-        out += sorted(
-            f.result() for f in concurrent.futures.as_completed(futures[:3], timeout=1)
-        )
+        out += sorted(f.result() for f in concurrent.futures.as_completed(futures[:3], timeout=1))
     out.append(since(start))
     with ThreadPool(3) as pool:
         out += pool.map(job, [1, 2, 3])

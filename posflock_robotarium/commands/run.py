@@ -62,8 +62,8 @@ def run(
     from posflock_robotarium.errors import ParameterError
     from posflock_robotarium.recording import open_pose_log
     from rps_compat.errors import RobotariumError
-    from rps_compat.profiles import load_profile
     from rps_compat.process import run_and_tell
+    from rps_compat.profiles import load_profile
     from rps_compat.runner import RunSettings, snapshot_times
 
     try:

@@ -11,9 +11,9 @@ simulated time moves where there are several, `stand_ins` lists what waits in it
 keeps the real time: other processes, sockets. With one thread nothing is scheduled: a look or a
 sleep is an addition.
 
-Libraries that freeze time for tests do less and cost a dependency: freezegun replaces the functions
-that read a clock, time-machine does so faster, in C. Neither makes anybody wait in its time, so that
-threads, queues and event loops would still sleep by the real one.
+Libraries that freeze time for tests do less and cost a dependency: freezegun replaces the
+functions that read a clock, time-machine does so faster, in C. Neither makes anybody wait in its
+time: threads, queues and event loops would still sleep by the real one.
 """
 
 from rps_compat.clock.simulated import LOOK, SimulatedClock

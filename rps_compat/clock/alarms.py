@@ -66,7 +66,7 @@ def _handler_runs(ident: int | None) -> bool:
     return False
 
 
-def setitimer(which: int, seconds: float, interval: float = 0.0, /) -> tuple[float, float]:
+def setitimer(which: int, seconds: float, interval: float = 0.0, /) -> Any:
     """Stand in for ``signal.setitimer``."""
     clock = clock_in_force()
     if clock is None or which != signal.ITIMER_REAL:
@@ -80,7 +80,7 @@ def setitimer(which: int, seconds: float, interval: float = 0.0, /) -> tuple[flo
     return before
 
 
-def getitimer(which: int, /) -> tuple[float, float]:
+def getitimer(which: int, /) -> Any:
     """Stand in for ``signal.getitimer``."""
     clock = clock_in_force()
     if clock is None or which != signal.ITIMER_REAL:
@@ -92,8 +92,9 @@ def getitimer(which: int, /) -> tuple[float, float]:
 def alarm(seconds: int, /) -> int:
     """Stand in for ``signal.alarm``."""
     if clock_in_force() is None:
-        return real.alarm(seconds)
-    return math.ceil(setitimer(signal.ITIMER_REAL, seconds)[0])
+        return int(real.alarm(seconds))
+    left: float = setitimer(signal.ITIMER_REAL, seconds)[0]
+    return math.ceil(left)
 
 
 def pause() -> None:

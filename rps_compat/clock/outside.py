@@ -6,6 +6,8 @@ Two kinds of descriptors are no world outside. The loop of ``asyncio`` has a soc
 which other threads wake it; and without a display nobody types.
 """
 
+import contextlib
+import importlib
 import os
 import select as _select
 import selectors
@@ -23,10 +25,9 @@ PROCESSES = "other processes"
 DESCRIPTORS = "sockets and pipes"
 STDIN = 0
 
-try:
-    import _multiprocessing
-except ImportError:  # a system without semaphores
-    _multiprocessing = None  # type: ignore[assignment]
+_multiprocessing: Any = None
+with contextlib.suppress(ImportError):  # a system without semaphores
+    _multiprocessing = importlib.import_module("_multiprocessing")
 
 
 # --- Selectors, on which asyncio and multiprocessing wait --------------------------------------
@@ -102,7 +103,7 @@ class Poll:
         self.register, self.modify = self._poll.register, self._poll.modify
         self.unregister = self._poll.unregister
 
-    def poll(self, timeout: float | None = None) -> list[tuple[int, int]]:
+    def poll(self, timeout: float | None = None) -> Any:
         """Wait for descriptors, up to so many milliseconds."""
         clock = clock_of_this_thread()
         if clock is None or timeout == 0:
@@ -178,18 +179,18 @@ def waitpid(process: int, options: int, /) -> tuple[int, int]:
 
 if _multiprocessing is not None:
 
-    class SemLock(_multiprocessing.SemLock):
+    class SemLock(_multiprocessing.SemLock):  # type: ignore[misc]
         """Stands in for the semaphores that processes share."""
 
         def acquire(self, block: bool = True, timeout: float | None = None) -> bool:
             """Take the semaphore; return whether it was to be had within `timeout` seconds."""
             clock = clock_of_this_thread()
             if clock is None or super().acquire(False):
-                return clock is not None or super().acquire(block, timeout)
+                return clock is not None or bool(super().acquire(block, timeout))
             if not block:
                 return False
             with clock.outside(PROCESSES):
-                return super().acquire(True, timeout)
+                return bool(super().acquire(True, timeout))
 
         __enter__ = acquire
 

@@ -10,17 +10,17 @@ import select
 import selectors
 import signal
 import subprocess
-import sys
 import threading
 import time as _time
+from typing import Any
 
 time, time_ns = _time.time, _time.time_ns
 monotonic, perf_counter = _time.monotonic, _time.perf_counter
 process_time, sleep = _time.process_time, _time.sleep
 localtime, gmtime, ctime, asctime = _time.localtime, _time.gmtime, _time.ctime, _time.asctime
 strftime = _time.strftime
-clock_gettime = getattr(_time, "clock_gettime", None)
-clock_gettime_ns = getattr(_time, "clock_gettime_ns", None)
+clock_gettime: Any = getattr(_time, "clock_gettime", None)
+clock_gettime_ns: Any = getattr(_time, "clock_gettime_ns", None)
 CLOCK_REALTIME = getattr(_time, "CLOCK_REALTIME", None)
 #: The system's clocks that count real time from some moment.
 MONOTONIC_CLOCKS = {
@@ -29,7 +29,8 @@ MONOTONIC_CLOCKS = {
     if hasattr(_time, name)
 }
 
-allocate_lock, reentrant_lock = _thread.allocate_lock, _thread.RLock
+allocate_lock = _thread.allocate_lock
+reentrant_lock: Any = _thread.RLock
 start_new_thread, get_ident = _thread.start_new_thread, _thread.get_ident
 condition_wait = threading.Condition.wait
 thread_start, thread_join = threading.Thread.start, threading.Thread.join
@@ -48,5 +49,7 @@ selector_waits = {
     )
     if kind is not None
 }
-alarm, setitimer = getattr(signal, "alarm", None), getattr(signal, "setitimer", None)
-getitimer, pause = getattr(signal, "getitimer", None), getattr(signal, "pause", None)
+alarm: Any = getattr(signal, "alarm", None)
+setitimer: Any = getattr(signal, "setitimer", None)
+getitimer: Any = getattr(signal, "getitimer", None)
+pause: Any = getattr(signal, "pause", None)

@@ -25,8 +25,9 @@ from collections.abc import Iterator
 from itertools import count
 
 from rps_compat.clock import real
+from rps_compat.clock.roster import Roster
 from rps_compat.clock.stuck import Stuck, where_they_wait
-from rps_compat.clock.threads import LOOKS, ScriptThread, State
+from rps_compat.clock.threads import LOOKS, State
 from rps_compat.clock.waits import Wait
 
 #: Real seconds after which who waits for others looks at what they do.
@@ -35,7 +36,7 @@ LOOK_AGAIN = 0.001
 PATIENCE = 1.0
 
 
-class Scheduler:
+class Scheduler(Roster):
     """Simulated time and those who wait in it.
 
     Parameters
@@ -47,8 +48,6 @@ class Scheduler:
     ----------
     elapsed : float
         Simulated seconds.
-    foreign : set of int
-        Threads that ran before and keep the real time, by their idents.
     over : bool
         Whether the clock is no longer in force: waits end in real time.
     moves : int
@@ -67,16 +66,8 @@ class Scheduler:
         self._begin()
 
     def _begin(self) -> None:
-        """Know nobody but the running thread: at the start, and in a forked process."""
-        self.lock = real.reentrant_lock()
-        me = ScriptThread(real.threading._active.get(real.get_ident()))  # type: ignore[attr-defined]
-        me.arrive()
-        self.main = self.stepper = me
-        self.threads: dict[int, ScriptThread] = {me.ident or 0: me}
-        self.foreign: set[int] = set()
-        self._starting: dict[object, ScriptThread] = {}
-        self._busy: set[ScriptThread] = set()
-        self._outside: set[ScriptThread] = set()
+        """Know of nobody but the running thread, and of no wait."""
+        super()._begin()
         self._polled: list[Wait] = []
         self.alarm: Wait | None = None
         self._deadlines: list[tuple[float, int, Wait]] = []
@@ -84,75 +75,6 @@ class Scheduler:
         self._leash: tuple[float, float] | None = None
         self._silent_since: float | None = None
         self._reviewed = 0.0
-
-    # --- Who is there ---------------------------------------------------------------------------
-
-    def me(self) -> ScriptThread:
-        """Return the running thread; one that nobody announced is taken in."""
-        ident = real.get_ident()
-        known = self.threads.get(ident)
-        if known is None:
-            known = ScriptThread(real.threading._active.get(ident))  # type: ignore[attr-defined]
-            known.arrive()
-            with self.lock:
-                self.threads[ident] = known
-                self._changed()
-        return known
-
-    def expect(self, thread: object, started_at: str) -> None:
-        """Take note that `thread` is being started: time stands still until it runs.
-
-        `thread` is a `threading.Thread`, or anything that stands for one that has none.
-        """
-        with self.lock:
-            coming = self._starting[thread] = ScriptThread(thread, started_at)
-            self._busy.add(coming)
-            self._changed()
-
-    def arrived(self, thread: object) -> None:
-        """Take note that `thread`, the running one, has begun."""
-        with self.lock:
-            coming = self._starting.pop(thread, None) or ScriptThread(thread)
-            coming.arrive()
-            ident = real.get_ident()
-            self.foreign.discard(ident)  # numbers of ended threads are used again
-            self.threads[ident] = coming
-            self._busy.add(coming)
-            self._changed()
-
-    def ended(self, thread: object) -> None:
-        """Take note that `thread` is past its last line, or was never started."""
-        with self.lock:
-            gone = self._starting.pop(thread, None) or self._known(thread)
-            if gone is not None:
-                self._forget(gone)
-
-    def _known(self, thread: object) -> ScriptThread | None:
-        return next((known for known in self.threads.values() if known.thread is thread), None)
-
-    def _forget(self, gone: ScriptThread) -> None:
-        self.threads.pop(gone.ident or 0, None)
-        self._busy.discard(gone)
-        self._outside.discard(gone)
-        for wait in gone.joiners:
-            self.wake(wait)
-        if self.stepper is gone:
-            self._give_wheel(self.main)
-        self._changed()
-        self._look_around()
-
-    def _give_wheel(self, thread: ScriptThread) -> None:
-        """Let `thread` be the one that moves time on."""
-        before, self.stepper = self.stepper, thread
-        self._busy.discard(thread)
-        if before.state is State.RUNNING and before.ident in self.threads:
-            self._runs(before)
-        for wait in (before.wait, thread.wait):
-            if wait is not None:
-                wait.ring()
-
-    def _changed(self) -> None:
-        """Do what depends on who is there."""
 
     # --- Waiting --------------------------------------------------------------------------------
 
@@ -173,20 +95,20 @@ class Scheduler:
         """
         me, wait = self.me(), wait or Wait(self)
         outer = me.wait
-        with self.lock:
-            if wait.over:
-                return wait.woken
-            wait.thread = me
-            me.wait, me.state = wait, State.WAITING
-            self._busy.discard(me)
-            self._outside.discard(me)
-            self.moves += self.stepper is me and timeout != 0
-            if timeout is not None:
-                self.schedule(wait, timeout)
-            if wait.polled:
-                self._polled.append(wait)
-            self._look_around()
         try:
+            with self.lock:
+                if wait.over:
+                    return wait.woken
+                wait.thread = me
+                me.wait, me.state = wait, State.WAITING
+                self.busy.discard(me)
+                self.out.discard(me)
+                self.moves += self.stepper is me and timeout != 0
+                if timeout is not None:
+                    self.schedule(wait, timeout)
+                if wait.polled:
+                    self._polled.append(wait)
+                self.look_around()
             while not wait.over and not self.over:
                 if self.stepper is me:
                     self._move_time(wait)
@@ -198,10 +120,10 @@ class Scheduler:
                 wait.expired = not wait.woken  # whoever comes now comes too late
                 me.wait = outer
                 if outer is None:
-                    self._runs(me)
+                    self.runs(me)
                 else:
                     me.state = State.WAITING
-                if wait.polled:
+                if wait in self._polled:
                     self._polled.remove(wait)
         if wait.failure is not None:
             raise wait.failure
@@ -219,7 +141,7 @@ class Scheduler:
     def wait_for_end(self, thread: object) -> Wait | None:
         """Return a wait that is over when `thread` has ended; None if nothing is known of it."""
         with self.lock:
-            known = self._starting.get(thread) or self._known(thread)
+            known = self.starting.get(thread) or self.known(thread)
             if known is None:
                 return None
             known.joiners.append(Wait(self))
@@ -232,11 +154,6 @@ class Scheduler:
             heapq.heappush(self._deadlines, (wait.deadline, next(self._order), wait))
             self._changed()
 
-    def is_waited(self, wait: Wait) -> bool:
-        """Whether a thread of this process waits, or is about to, and can be woken."""
-        thread = wait.thread
-        return not wait.over and (thread is None or self.threads.get(thread.ident or 0) is thread)
-
     def wake(self, wait: Wait) -> None:
         """End a wait before its deadline."""
         with self.lock:
@@ -247,16 +164,9 @@ class Scheduler:
     def woken(self, wait: Wait) -> None:
         """Let the thread of a wait that is over go on: it has its turn."""
         if wait.thread is not None and wait.thread.wait is wait:
-            self._runs(wait.thread)
+            self.runs(wait.thread)
         self._silent_since = None
         wait.ring()
-
-    def _runs(self, thread: ScriptThread) -> None:
-        """Take note that `thread` does not wait any more; it has its turn."""
-        thread.state = State.RUNNING
-        if thread is not self.stepper and thread not in self._busy:
-            thread.begin_turn()
-            self._busy.add(thread)
 
     @contextlib.contextmanager
     def outside(self, reason: str) -> Iterator[None]:
@@ -273,15 +183,15 @@ class Scheduler:
             return
         with self.lock:
             me.state, me.since = State.OUTSIDE, real.monotonic()
-            self._busy.discard(me)
-            self._outside.add(me)
-            self._look_around()
+            self.busy.discard(me)
+            self.out.add(me)
+            self.look_around()
         try:
             yield
         finally:
             with self.lock:
-                self._outside.discard(me)
-                self._runs(me)
+                self.out.discard(me)
+                self.runs(me)
                 if self.stepper is me:
                     passed = real.monotonic() - me.since
                     self._pass(passed, reason)
@@ -295,8 +205,8 @@ class Scheduler:
         me = self.me()
         with self.lock:
             if self.stepper is not me:
-                self._give_wheel(me)
-            alone = not (self._busy or self._outside or self._polled or me.asks)
+                self.give_wheel(me)
+            alone = not (self.busy or self.out or self._polled or me.asks)
             if alone and self.next_deadline() > target:
                 self.elapsed = max(self.elapsed, target)
                 return
@@ -328,9 +238,9 @@ class Scheduler:
         finally:
             me.engine, me.asks = outer, False
 
-    def _look_around(self) -> None:
+    def look_around(self) -> None:
         """Tell who moves time on that somebody waits now who did not."""
-        if self.stepper.engine is not None and not any(thread.turn for thread in self._busy):
+        if self.stepper.engine is not None and not any(thread.turn for thread in self.busy):
             self.stepper.engine.ring()
 
     def _turn(self, target: float, asks: bool) -> float | None:
@@ -349,14 +259,14 @@ class Scheduler:
             Real seconds to block for before the next turn; None at the target.
         """
         goal = min(self.next_deadline(), target)
-        if self._busy or self._outside:
+        if self.busy or self.out:
             self._review()
-            if any(thread.turn for thread in self._busy):
+            if any(thread.turn for thread in self.busy):
                 return LOOK_AGAIN
         if goal > self.elapsed:
             if self._ready():
                 return LOOK_AGAIN
-            if self._busy or (asks and (self._outside or self.stepper.asks)):
+            if self.busy or (asks and (self.out or self.stepper.asks)):
                 self._go_with_real_time(goal)
                 if self.elapsed < goal:
                     return min(LOOK_AGAIN, goal - self.elapsed)
@@ -399,7 +309,7 @@ class Scheduler:
             self._leash = (self.elapsed, now)
         time, then = self._leash
         self.elapsed = min(goal, max(self.elapsed, time + now - then))
-        if self._busy:
+        if self.busy:
             self.real_reasons["threads that compute"] = None
         if self.elapsed >= goal:
             self._leash = (self.elapsed, now)
@@ -416,17 +326,17 @@ class Scheduler:
         if now < self._reviewed + LOOK_AGAIN:
             return
         self._reviewed = now
-        for thread in list(self._busy):
+        for thread in list(self.busy):
             thread.look()
             if thread.asleep >= LOOKS:
-                self._busy.discard(thread)
-                self._outside.add(thread)
+                self.busy.discard(thread)
+                self.out.add(thread)
             if thread.gone:
-                self._forget(thread)
-        for thread in list(self._outside):
+                self.forget(thread)
+        for thread in list(self.out):
             if thread.state is State.RUNNING and thread.stirs():
-                self._outside.discard(thread)
-                self._busy.add(thread)
+                self.out.discard(thread)
+                self.busy.add(thread)
                 thread.begin_turn()
 
     # --- Waiting for ever -----------------------------------------------------------------------

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import math
+import os
+import sys
 import weakref
 from collections.abc import Callable, Iterator
 
@@ -57,7 +59,7 @@ class SimulatedClock(Scheduler):
         self._changed()
 
     def _changed(self) -> None:
-        alone = len(self.threads) == 1 and not self._starting and self.next_deadline() == math.inf
+        alone = len(self.threads) == 1 and not self.starting and self.next_deadline() == math.inf
         self.solo = alone and not (self.charge or self.foreign or self.stepper.asks or self.over)
         if not alone and self._ticker is None and not self.over:
             self._ticker = Ticker(self)
@@ -82,7 +84,7 @@ class SimulatedClock(Scheduler):
     def _look(self) -> None:
         if self.charge:
             self._count_computing()
-        elif self._busy and self._leash is not None:
+        elif self.busy and self._leash is not None:
             self._go_with_real_time(self.elapsed + LOOK)  # a loop that looks outruns nobody
         else:
             self.elapsed += LOOK
@@ -186,7 +188,7 @@ class SimulatedClock(Scheduler):
         """
         from rps_compat.clock.stand_ins import standing_in
 
-        self.foreign = set(real.sys._current_frames()) - {real.get_ident()}
+        self.foreign = set(sys._current_frames()) - {real.get_ident()}
         self.over = False
         self._changed()
         try:
@@ -210,10 +212,10 @@ _clocks: weakref.WeakSet[SimulatedClock] = weakref.WeakSet()
 
 
 def _after_fork() -> None:
-    """A forked process has one thread, and none of the others' locks."""
+    """Begin anew in a forked process, which has one thread and none of the others' locks."""
     for clock in list(_clocks):
         clock._begin()
 
 
-if hasattr(real.os, "register_at_fork"):
-    real.os.register_at_fork(after_in_child=_after_fork)
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_after_fork)

@@ -5,9 +5,7 @@ import contextlib
 import ctypes
 import datetime
 import gc
-import os
 import queue
-import signal
 import sys
 import threading
 import time

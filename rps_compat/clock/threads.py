@@ -141,7 +141,7 @@ def cpu_seconds(native: int | None) -> float | None:
     try:
         # The kernel's number of a thread's CPU clock; unlike pthread_getcpuclockid, it may be
         # asked after the thread's end.
-        return real.clock_gettime((~native << 3) | 6)
+        return float(real.clock_gettime((~native << 3) | 6))
     except OSError:
         return None
 

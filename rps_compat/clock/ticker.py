@@ -1,4 +1,4 @@
-"""Moves simulated time on where the thread that should do so hangs, or is busy with other things."""
+"""Moves simulated time on where the thread that should do so hangs, or is busy otherwise."""
 
 from __future__ import annotations
 

@@ -114,14 +114,14 @@ def clock_gettime(clock: int, /) -> float:
         return time()
     if clock in real.MONOTONIC_CLOCKS:
         return monotonic()
-    return real.clock_gettime(clock)
+    return float(real.clock_gettime(clock))
 
 
 def clock_gettime_ns(clock: int, /) -> int:
     """Return the nanoseconds of one of the system's clocks; those of CPU time are real."""
     if clock == real.CLOCK_REALTIME or clock in real.MONOTONIC_CLOCKS:
         return round(clock_gettime(clock) * 1e9)
-    return real.clock_gettime_ns(clock)
+    return int(real.clock_gettime_ns(clock))
 
 
 def now(cls: type[_datetime.datetime], tz: _datetime.tzinfo | None = None) -> _datetime.datetime:

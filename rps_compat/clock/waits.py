@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+import os
 import threading
 from collections.abc import Callable
 from typing import TYPE_CHECKING
@@ -101,7 +102,7 @@ class PolledWait(Wait):
     def ring(self) -> None:
         """Let the thread look around."""
         with contextlib.suppress(BlockingIOError):  # full of rings: it will look around
-            real.os.write(self._pipe[1], b".")
+            os.write(self._pipe[1], b".")
 
     def block(self, seconds: float = -1) -> None:
         """Block until a descriptor is ready, somebody rings, or for some real seconds."""
@@ -112,7 +113,7 @@ class PolledWait(Wait):
         finally:
             self._unwatch(bell)
         if bell in found:
-            real.os.read(bell, 4096)
+            os.read(bell, 4096)
         if found - {bell}:
             self.scheduler.wake(self)
 
