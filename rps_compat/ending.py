@@ -26,6 +26,7 @@ from typing import Literal, NoReturn
 
 from rps_compat.clock import Stuck, real
 from rps_compat.errors import ScriptError
+from rps_compat.last_resort import last_resort
 
 Ended = Literal["finished", "failed", "interrupted", "timeout", "stuck", "idle"]
 #: Exit codes of a run that the script does not end itself, the first four as shells have them.
@@ -36,6 +37,8 @@ EXIT_CODES: dict[Ended, int] = {
 LOGGED: dict[Ended, str] = {"timeout": "interrupted", "stuck": "failed", "idle": "finished"}
 #: Real seconds between two signals of the time limit, and how many the main thread gets.
 AGAIN, TRIES = 0.25, 8
+#: Real seconds after the limit when a process that may be ended is, without a report.
+LAST_RESORT = 15.0
 #: Real seconds that a process which ends without waiting may take to write what was printed.
 FLUSH = 5.0
 
@@ -80,7 +83,7 @@ def end_of(run: Callable[[], object], script: Path, limit: "TimeLimit") -> End:
     except KeyboardInterrupt:
         return End.of("interrupted", "KeyboardInterrupt")
     except Stuck as stuck:
-        return end if end.exit_code else End.of("stuck", f"waits for ever: {stuck}")
+        return end if end.exit_code else End.of("stuck", str(stuck))
     except BaseException as error:
         _print_traceback(error, script)
         return End.of("failed", f"{type(error).__name__}: {error}")
@@ -148,7 +151,8 @@ class TimeLimit:
     seconds
         None or infinity limits nothing.
     give_up
-        Is called in another thread when the main thread does not stop; None goes on telling it.
+        Is called in another thread when the main thread does not stop, and must end the process;
+        None goes on telling it.
 
     Raises
     ------
@@ -160,7 +164,7 @@ class TimeLimit:
         self._seconds = math.inf if seconds is None else seconds
         self._give_up = give_up
         self._guard, self._over = real.allocate_lock(), real.allocate_lock()
-        self._left = False
+        self._left, self._last = False, contextlib.ExitStack()
         here = threading.current_thread() is threading.main_thread()
         if math.isfinite(self._seconds) and not (here and hasattr(signal, "SIGXCPU")):
             raise ScriptError("a time limit needs the main thread of a POSIX system")
@@ -173,6 +177,9 @@ class TimeLimit:
     def __enter__(self) -> "TimeLimit":
         if math.isfinite(self._seconds):
             self._over.acquire()
+            if self._give_up is not None:
+                code = EXIT_CODES["timeout"]
+                self._last.enter_context(last_resort(self._seconds + LAST_RESORT, code))
             self._before = signal.signal(signal.SIGXCPU, self._stop)
             real.start_new_thread(self._watch, (real.get_ident(),))
         return self
@@ -183,6 +190,7 @@ class TimeLimit:
                 self._left = True
             self._over.release()
             signal.signal(signal.SIGXCPU, self._before)
+            self._last.close()
 
     def _stop(self, number: int, frame: FrameType | None) -> None:
         if not self._left:
@@ -195,7 +203,10 @@ class TimeLimit:
                 if self._left:
                     return
                 if tries >= TRIES and self._give_up is not None:
-                    self._give_up()
+                    try:
+                        self._give_up()
+                    finally:
+                        end_process(self.end.exit_code)
                 signal.pthread_kill(main, signal.SIGXCPU)
             wait, tries = AGAIN, tries + 1
 

@@ -32,13 +32,13 @@ class _Time(ctypes.Structure):
 
 
 @contextlib.contextmanager
-def last_resort(seconds: float | None, exit_code: int) -> Iterator[None]:
-    """End the process if it is still in the ``with`` block after real `seconds`; None never does.
+def last_resort(seconds: float, exit_code: int) -> Iterator[None]:
+    """End the process if it is still in the ``with`` block after real `seconds`.
 
-    On systems without such timers it never does either.
+    On systems without such timers it does nothing.
     """
     libc = ctypes.CDLL(None) if sys.platform == "linux" and sys.maxsize > 2**32 else None
-    if seconds is None or not math.isfinite(seconds) or not hasattr(libc, "timer_create"):
+    if not hasattr(libc, "timer_create"):
         yield
         return
     assert libc is not None

@@ -12,12 +12,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NoReturn
 
-from rps_compat.ending import EXIT_CODES, end_process, leave
-from rps_compat.last_resort import last_resort
+from rps_compat.ending import end_process, leave
 from rps_compat.runner import RunResult, RunSettings, run_script, summary
-
-#: Real seconds after the time limit when a process ends that did not come to write its report.
-GRACE = 10.0
 
 
 def run_and_tell(
@@ -45,8 +41,7 @@ def run_and_tell(
         end_process(result.exit_code)
 
     talks = contextlib.redirect_stdout(sys.stderr) if as_json else contextlib.nullcontext()
-    limit = None if settings.timeout is None else settings.timeout + GRACE
-    with last_resort(limit, EXIT_CODES["timeout"]), talks:
+    with talks:
         result = run_script(script, arguments, replace(settings, end_process=give_up))
     tell(result)
     leave(result.exit_code, ours)

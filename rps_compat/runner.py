@@ -310,8 +310,9 @@ class _Run:
                 around.enter_context(self.clock.in_force())
                 self.window_notes = around.enter_context(headless_matplotlib())
                 around.enter_context(answering(settings.answers))
-            limit = TimeLimit(settings.timeout, self._give_up if settings.end_process else None)
-            end = end_of(self._run_script, self.script, limit)
+            end_process = self._give_up if settings.end_process else None
+            self.limit = TimeLimit(settings.timeout, end_process)
+            end = end_of(self._run_script, self.script, self.limit)
             self.over = True
             self.film.end(self.watches[0].instance if self.watches else None)
         return self._finish(self._idle_if_nothing_moved(end))
@@ -368,7 +369,7 @@ class _Run:
     def _give_up(self) -> None:
         assert self.settings.end_process is not None
         self.over = True
-        self.settings.end_process(self._finish(TimeLimit(self.settings.timeout).end))
+        self.settings.end_process(self._finish(self.limit.end))
 
     def _idle_if_nothing_moved(self, end: End) -> End:
         arenas = [watch.instance._arena for watch in self.watches if watch.instance is not None]

@@ -125,6 +125,7 @@ class Scheduler(Roster):
                     me.state = State.WAITING
                 if wait in self._polled:
                     self._polled.remove(wait)
+                self._changed()
         if wait.failure is not None:
             raise wait.failure
         return wait.woken
@@ -348,14 +349,14 @@ class Scheduler(Roster):
             self._silent_since = now
         if now - self._silent_since < PATIENCE:
             return 0.05
-        self._fail(f"nothing is left to wake it: {where_they_wait(self.threads.values())}")
+        self._fail(f"waits for ever: {where_they_wait(self.threads.values())}")
         return 0.05
 
     def _check_length(self) -> None:
         if self.elapsed - self._stepped > self.longest_wait:
             waiting = [thread for thread in self.threads.values() if thread.wait is not None]
             waits = where_they_wait(waiting or [self.main])
-            self._fail(f"no step for {self.longest_wait:g} s of the run: {waits}")
+            self._fail(f"waits for ever: no step for {self.longest_wait:g} s of the run, {waits}")
 
     def _fail(self, message: str) -> None:
         """Raise Stuck in the main thread, where it waits, or else in the running one."""

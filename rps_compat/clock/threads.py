@@ -101,6 +101,8 @@ class ScriptThread:
     @property
     def name(self) -> str:
         """As messages call it."""
+        if self.thread is threading.main_thread():
+            return "the main thread"
         return self.thread.name if isinstance(self.thread, threading.Thread) else "a thread"
 
     @property
