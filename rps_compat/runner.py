@@ -246,19 +246,15 @@ def _generation_notes(evidence: Evidence, api: Api, found: bool) -> list[str]:
 
 
 class _Watch:
-    """Recorder of one instance: passes each step on to log, film and clock."""
+    """Recorder of one instance: passes each step on to log and film."""
 
     def __init__(self, run: "_Run", log: RunRecorder | None) -> None:
-        self._run, self.log, self._before = run, log, 0.0
+        self._run, self.log = run, log
         self.instance: Any = None
 
     def append(self, time: float, poses: Array, commands: Array) -> None:
-        # The step that begins now takes its time, and at its end that has passed.
         if self._run.over and threading.current_thread() is not threading.main_thread():
             raise SystemExit  # it outlived the run
-        end = time + (self.instance._arena.robot.time_step if self.instance else 0.0)
-        self._run.due += end - self._before
-        self._before = end
         if self.log is not None:
             self.log.append(time, poses, commands)
         film = self._run.film
@@ -279,7 +275,6 @@ class _Run:
     watches: list[_Watch] = field(default_factory=list)
     logs: list[Path] = field(default_factory=list)
     window_notes: dict[str, None] = field(default_factory=dict)
-    due: float = 0.0
     over: bool = False
 
     def result(self) -> RunResult:
@@ -300,7 +295,7 @@ class _Run:
             realism=settings.realism,
             recorder=self._watch,
             created=self._created,
-            pace=self if self.headless else None,
+            pace=self.clock if self.headless else None,
         )
         with contextlib.ExitStack() as around:
             around.enter_context(self._process_state())
@@ -316,11 +311,6 @@ class _Run:
             self.over = True
             self.film.end(self.watches[0].instance if self.watches else None)
         return self._finish(self._idle_if_nothing_moved(end))
-
-    def after_step(self, time_step: float) -> None:
-        """Let a step's time pass, as the pace of every instance."""
-        due, self.due = self.due, 0.0
-        self.clock.advance(due)
 
     def _watch(self, robots: int) -> _Watch:
         log = None

@@ -50,6 +50,7 @@ EXPECTED = {
     "main_hangs_in_an_unknown_wait": None,
     "who_computes_holds_time": [[True, True], ["threads that compute"]],
     "a_quick_computation_takes_no_time": [True, []],
+    "restless_threads_do_not_stop_time": [0.5] * 4,
     "threads_below_threading": [True, 2.0],
     "a_frozen_thread_still_sees_its_clock_move": 50,
     "waits_for_ever": ["waits for ever: the main thread waits"] * 5,

@@ -27,11 +27,15 @@ from itertools import count
 from rps_compat.clock import real
 from rps_compat.clock.roster import Roster
 from rps_compat.clock.stuck import Stuck, where_they_wait
-from rps_compat.clock.threads import LOOKS, State
+from rps_compat.clock.threads import LOOKS, ScriptThread, State
 from rps_compat.clock.waits import Wait
 
 #: Real seconds after which who waits for others looks at what they do.
 LOOK_AGAIN = 0.001
+#: CPU seconds that threads may use among themselves while time stands still.
+STANDSTILL = 0.5
+#: Waits shorter than this many seconds take as long if a thread makes more than some in a row.
+SHORTEST, SOME = 1e-4, 10
 #: Real seconds that all must have waited for ever: something that Python does not see may come.
 PATIENCE = 1.0
 
@@ -75,6 +79,7 @@ class Scheduler(Roster):
         self._leash: tuple[float, float] | None = None
         self._silent_since: float | None = None
         self._reviewed = 0.0
+        self._standstill, self._stood_at = STANDSTILL, math.nan
 
     # --- Waiting --------------------------------------------------------------------------------
 
@@ -105,7 +110,7 @@ class Scheduler(Roster):
                 self.out.discard(me)
                 self.moves += self.stepper is me and timeout != 0
                 if timeout is not None:
-                    self.schedule(wait, timeout)
+                    self.schedule(wait, self._long_enough(me, timeout))
                 if wait.polled:
                     self._polled.append(wait)
                 self.look_around()
@@ -129,6 +134,13 @@ class Scheduler(Roster):
         if wait.failure is not None:
             raise wait.failure
         return wait.woken
+
+    def _long_enough(self, thread: ScriptThread, timeout: float) -> float:
+        """Let no thread but the stepper wait for next to no time again and again."""
+        thread.short_waits = thread.short_waits + 1 if timeout < SHORTEST else 0
+        if thread is self.stepper or thread.short_waits <= SOME:
+            return timeout
+        return SHORTEST
 
     def _wait_on(self, wait: Wait) -> None:
         """Wait on in real time, since the clock is no longer in force."""
@@ -209,7 +221,7 @@ class Scheduler(Roster):
                 self.give_wheel(me)
             alone = not (self.busy or self.out or self._polled or me.asks)
             if alone and self.next_deadline() > target:
-                self.elapsed = max(self.elapsed, target)
+                self._move(target)
                 return
         wait = Wait(self)
         outer, me.engine = me.engine, wait
@@ -262,7 +274,7 @@ class Scheduler(Roster):
         goal = min(self.next_deadline(), target)
         if self.busy or self.out:
             self._review()
-            if any(thread.turn for thread in self.busy):
+            if any(thread.turn for thread in self.busy) and self._may_stand_still():
                 return LOOK_AGAIN
         if goal > self.elapsed:
             if self._ready():
@@ -276,11 +288,30 @@ class Scheduler(Roster):
         if math.isinf(goal):
             return self._nobody_will_wake_anybody()
         self._silent_since = None
-        self.elapsed = max(self.elapsed, goal)
+        self._move(goal)
         if not self.fire_next():
             return None
         self._check_length()
         return 0.0
+
+    def _may_stand_still(self) -> bool:
+        """Whether time may still wait for threads that have their turn.
+
+        Two that wake each other for ever would keep it from moving; on the whole they get no more
+        CPU time than simulated time passes.
+        """
+        cpu = real.process_time()
+        if self._stood_at == self._stood_at:
+            self._standstill -= cpu - self._stood_at
+        self._stood_at = cpu
+        return self._standstill > 0
+
+    def _move(self, time: float) -> None:
+        """Move time to `time`, if that lies ahead."""
+        if time > self.elapsed:
+            self._standstill = min(self._standstill + time - self.elapsed, STANDSTILL)
+            self._stood_at = math.nan
+            self.elapsed = time
 
     def next_deadline(self) -> float:
         """When the next wait ends; infinity where none does."""
@@ -309,7 +340,7 @@ class Scheduler(Roster):
         if self._leash is None:
             self._leash = (self.elapsed, now)
         time, then = self._leash
-        self.elapsed = min(goal, max(self.elapsed, time + now - then))
+        self._move(min(goal, time + now - then))
         if self.busy:
             self.real_reasons["threads that compute"] = None
         if self.elapsed >= goal:

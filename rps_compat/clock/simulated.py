@@ -112,7 +112,7 @@ class SimulatedClock(Scheduler):
 
     def _sleep(self, seconds: float) -> None:
         me = self.me()
-        if me.state is State.OUTSIDE:
+        if me.state is State.OUTSIDE or (not seconds and me is not self.stepper):
             real.sleep(seconds)
         elif me.asks and me is not self.stepper:
             me.asks = False
@@ -156,6 +156,10 @@ class SimulatedClock(Scheduler):
         self._stepped = self.elapsed
         self.resume()
         self._changed()
+
+    def after_step(self, time_step: float) -> None:
+        """Let a step's time pass, as the pace of every Robotarium."""
+        self.advance(time_step)
 
     def spent(self) -> float:
         """Seconds that the script computed and waited since the last step, if charged for it."""

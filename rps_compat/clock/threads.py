@@ -53,6 +53,8 @@ class ScriptThread:
         Whether it asked the world outside for something that was not there yet.
     engine
         What moves time on in this thread, while it does.
+    short_waits
+        How many waits in a row took next to no time.
     since
         When it began to wait for the world outside, by the real clock.
     """
@@ -66,7 +68,7 @@ class ScriptThread:
         self.engine: Wait | None = None
         self.joiners: list[Wait] = []
         self._pipe: tuple[int, int] | None = None
-        self.asks = False
+        self.asks, self.short_waits = False, 0
         self.since = self._seen = 0.0
         self.begin_turn()
 

@@ -258,6 +258,44 @@ def a_quick_computation_takes_no_time():
 
 
 @scenario
+def restless_threads_do_not_stop_time():
+    """Threads that give way, sleep for no time, or wake each other, and never come to rest."""
+    out, stop = [], []
+
+    def give_way(pause):
+        while not stop:
+            time.sleep(pause)
+
+    def toss(get, put):
+        while not stop:
+            put.put(get.get())
+
+    def wait_for_nothing():
+        while not stop:
+            threading.Event().wait(1e-9)
+
+    here, there = queue.Queue(), queue.Queue()
+    for made in (
+        [(give_way, 0)], [(give_way, 1e-9)], [(toss, here, there), (toss, there, here)],
+        [(wait_for_nothing,)],
+    ):  # fmt: skip
+        stop.clear()
+        threads = [started(*spec) for spec in made]
+        here.put(1)
+        begun = now.clock.elapsed
+        for _ in range(10):
+            step(0.05)
+        out.append(round(now.clock.elapsed - begun, 3))
+        stop.append(1)
+        here.put(1)
+        there.put(1)
+        for thread in threads:
+            thread.join()
+        here, there = queue.Queue(), queue.Queue()
+    return out
+
+
+@scenario
 def threads_below_threading():
     import _thread
 
