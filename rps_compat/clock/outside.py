@@ -52,7 +52,7 @@ def selector_function(kind: type[selectors.BaseSelector]) -> Callable[..., Any]:
         found = original(self, 0)
         if found or (timeout is not None and timeout <= 0):
             if not found and not inside:
-                clock.ask()
+                clock.ask(DESCRIPTORS)
             return found
         if not inside:
             with clock.outside(DESCRIPTORS):
@@ -87,7 +87,7 @@ def select(reads: Any, writes: Any, errors: Any, timeout: float | None = None, /
             clock.sleep(timeout)
     found = real.select_select(reads, writes, errors, 0)
     if not any(found) and not all(map(_is_stdin, reads)):
-        clock.ask()
+        clock.ask(DESCRIPTORS)
     return found
 
 
@@ -130,7 +130,7 @@ def _socket_function(name: str) -> Callable[..., Any]:
             except BlockingIOError:
                 # asyncio reads until there is no more; it waits by its selector.
                 if not sys._getframe(1).f_globals.get("__name__", "").startswith("asyncio"):
-                    clock.ask()
+                    clock.ask(DESCRIPTORS)
                 raise
         with clock.outside(DESCRIPTORS):
             return original(self, *arguments, **named)
@@ -159,7 +159,7 @@ def poll(self: subprocess.Popen[Any]) -> int | None:
     code = real.popen_poll(self)
     clock = clock_of_this_thread()
     if code is None and clock is not None:
-        clock.ask()
+        clock.ask(PROCESSES)
     return code
 
 
@@ -171,7 +171,7 @@ def waitpid(process: int, options: int, /) -> tuple[int, int]:
     if options & os.WNOHANG:
         found = real.waitpid(process, options)
         if not found[0]:
-            clock.ask()
+            clock.ask(PROCESSES)
         return found
     with clock.outside(PROCESSES):
         return real.waitpid(process, options)

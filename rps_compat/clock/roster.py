@@ -5,8 +5,11 @@ from __future__ import annotations
 import threading
 
 from rps_compat.clock import real
-from rps_compat.clock.threads import ScriptThread, State
+from rps_compat.clock.threads import IN_C, LOOKS, ScriptThread, State
 from rps_compat.clock.waits import Wait
+
+#: Real seconds after which who waits for others looks at what they do.
+LOOK_AGAIN = 0.001
 
 
 class Roster:
@@ -44,6 +47,7 @@ class Roster:
         self.busy: set[ScriptThread] = set()
         self.out: set[ScriptThread] = set()
         self.starting: dict[object, ScriptThread] = {}
+        self._reviewed = 0.0
 
     @staticmethod
     def _newcomer() -> ScriptThread:
@@ -128,6 +132,26 @@ class Roster:
         if thread is not self.stepper and thread not in self.busy:
             thread.begin_turn()
             self.busy.add(thread)
+
+    def review(self) -> None:
+        """Look at what those do who were woken and have not waited again."""
+        now = real.monotonic()
+        if now < self._reviewed + LOOK_AGAIN:
+            return
+        self._reviewed = now
+        for thread in list(self.busy):
+            thread.look()
+            if thread.asleep >= LOOKS:
+                thread.reason = IN_C
+                self.busy.discard(thread)
+                self.out.add(thread)
+            if not thread.turn and thread.gone:
+                self.forget(thread)
+        for thread in list(self.out):
+            if thread.state is State.RUNNING and thread.stirs():
+                self.out.discard(thread)
+                self.busy.add(thread)
+                thread.begin_turn()
 
     def wake(self, wait: Wait) -> None:
         """End a wait before its deadline."""

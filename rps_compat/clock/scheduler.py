@@ -25,13 +25,11 @@ from collections.abc import Iterator
 from itertools import count
 
 from rps_compat.clock import real
-from rps_compat.clock.roster import Roster
-from rps_compat.clock.stuck import Stuck, where_they_wait
-from rps_compat.clock.threads import LOOKS, ScriptThread, State
+from rps_compat.clock.roster import LOOK_AGAIN, Roster
+from rps_compat.clock.stuck import Stuck
+from rps_compat.clock.threads import ScriptThread, State
 from rps_compat.clock.waits import Wait
 
-#: Real seconds after which who waits for others looks at what they do.
-LOOK_AGAIN = 0.001
 #: CPU seconds that threads may use among themselves while time stands still.
 STANDSTILL = 0.5
 #: Waits shorter than this many seconds take as long if a thread makes more than some in a row.
@@ -56,6 +54,8 @@ class Scheduler(Roster):
         Whether the clock is no longer in force: waits end in real time.
     moves : int
         How often the stepper has stepped or waited.
+    stepped : float
+        When the last step ended.
     real_reasons : dict
         Why simulated time went with the real time; the keys are words for people.
     """
@@ -66,7 +66,7 @@ class Scheduler(Roster):
         self.moves = 0
         self.real_reasons: dict[str, None] = {}
         self.longest_wait = longest_wait
-        self._stepped = 0.0
+        self.stepped = 0.0
         self._begin()
 
     def _begin(self) -> None:
@@ -78,7 +78,6 @@ class Scheduler(Roster):
         self._order = count()
         self._leash: tuple[float, float] | None = None
         self._silent_since: float | None = None
-        self._reviewed = 0.0
         self._standstill, self._stood_at = STANDSTILL, math.nan
 
     # --- Waiting --------------------------------------------------------------------------------
@@ -195,7 +194,7 @@ class Scheduler(Roster):
             yield
             return
         with self.lock:
-            me.state, me.since = State.OUTSIDE, real.monotonic()
+            me.state, me.since, me.reason = State.OUTSIDE, real.monotonic(), reason
             self.busy.discard(me)
             self.out.add(me)
             self.look_around()
@@ -220,7 +219,7 @@ class Scheduler(Roster):
             if self.stepper is not me:
                 self.give_wheel(me)
             alone = not (self.busy or self.out or self._polled or me.asks)
-            if alone and self.next_deadline() > target:
+            if self.over or (alone and self.next_deadline() > target):
                 self._move(target)
                 return
         wait = Wait(self)
@@ -273,7 +272,7 @@ class Scheduler(Roster):
         """
         goal = min(self.next_deadline(), target)
         if self.busy or self.out:
-            self._review()
+            self.review()
             if any(thread.turn for thread in self.busy) and self._may_stand_still():
                 return LOOK_AGAIN
         if goal > self.elapsed:
@@ -282,6 +281,7 @@ class Scheduler(Roster):
             if self.busy or (asks and (self.out or self.stepper.asks)):
                 self._go_with_real_time(goal)
                 if self.elapsed < goal:
+                    self._note_who_holds_time()
                     return min(LOOK_AGAIN, goal - self.elapsed)
             else:
                 self._leash = None
@@ -291,7 +291,7 @@ class Scheduler(Roster):
         self._move(goal)
         if not self.fire_next():
             return None
-        self._check_length()
+        self.check_length()
         return 0.0
 
     def _may_stand_still(self) -> bool:
@@ -341,35 +341,19 @@ class Scheduler(Roster):
             self._leash = (self.elapsed, now)
         time, then = self._leash
         self._move(min(goal, time + now - then))
-        if self.busy:
-            self.real_reasons["threads that compute"] = None
         if self.elapsed >= goal:
             self._leash = (self.elapsed, now)
+
+    def _note_who_holds_time(self) -> None:
+        holding = ["threads that compute"] if self.busy else [t.reason for t in self.out]
+        for reason in holding or [self.stepper.reason]:
+            self.real_reasons[reason] = None
 
     def _pass(self, seconds: float, reason: str) -> None:
         """Let real `seconds` pass in simulated time, too."""
         self.elapsed += seconds
         if seconds > LOOK_AGAIN:
             self.real_reasons[reason] = None
-
-    def _review(self) -> None:
-        """Look at what those do who were woken and have not waited again."""
-        now = real.monotonic()
-        if now < self._reviewed + LOOK_AGAIN:
-            return
-        self._reviewed = now
-        for thread in list(self.busy):
-            thread.look()
-            if thread.asleep >= LOOKS:
-                self.busy.discard(thread)
-                self.out.add(thread)
-            if thread.gone:
-                self.forget(thread)
-        for thread in list(self.out):
-            if thread.state is State.RUNNING and thread.stirs():
-                self.out.discard(thread)
-                self.busy.add(thread)
-                thread.begin_turn()
 
     # --- Waiting for ever -----------------------------------------------------------------------
 
@@ -380,19 +364,19 @@ class Scheduler(Roster):
             self._silent_since = now
         if now - self._silent_since < PATIENCE:
             return 0.05
-        self._fail(f"waits for ever: {where_they_wait(self.threads.values())}")
+        self._fail(Stuck.told_of(self.threads.values()))
         return 0.05
 
-    def _check_length(self) -> None:
-        if self.elapsed - self._stepped > self.longest_wait:
+    def check_length(self) -> None:
+        """Tell the script that it waits for ever, if nobody has stepped for too long."""
+        if self.elapsed - self.stepped > self.longest_wait:
             waiting = [thread for thread in self.threads.values() if thread.wait is not None]
-            waits = where_they_wait(waiting or [self.main])
-            self._fail(f"waits for ever: no step for {self.longest_wait:g} s of the run, {waits}")
+            self._fail(Stuck.told_of(waiting or [self.main], self.longest_wait))
 
-    def _fail(self, message: str) -> None:
+    def _fail(self, stuck: Stuck) -> None:
         """Raise Stuck in the main thread, where it waits, or else in the running one."""
         wait = self.main.wait
         if self.stepper is self.main or wait is None:
-            raise Stuck(message)
-        wait.failure = Stuck(message)
+            raise stuck
+        wait.failure = stuck
         wait.fire()

@@ -104,9 +104,6 @@ class SimulatedClock(Scheduler):
         seconds = float(seconds)
         if real.get_ident() in self.foreign:
             real.sleep(seconds)
-        elif self.solo:
-            self.elapsed += seconds or LOOK
-            self._check_length()
         else:
             self._sleep(seconds)
 
@@ -116,17 +113,18 @@ class SimulatedClock(Scheduler):
             real.sleep(seconds)
         elif me.asks and me is not self.stepper:
             me.asks = False
-            with self.outside("other processes and sockets"):
+            with self.outside(me.reason):
                 real.sleep(seconds)
         else:
             if me is self.stepper and not seconds:
                 self.elapsed += LOOK
             self.wait(seconds)
 
-    def ask(self) -> None:
+    def ask(self, reason: str) -> None:
         """Take note that the world outside did not answer yet: it is given real time to do so."""
         if real.get_ident() not in self.foreign:
-            self.me().asks = True
+            me = self.me()
+            me.asks, me.reason = True, reason
             self._changed()
 
     def wait(self, timeout: float | None, wait: Wait | None = None) -> bool:
@@ -147,19 +145,18 @@ class SimulatedClock(Scheduler):
         Negative times do not pass.
         """
         if self.solo:
-            self.elapsed += max(float(seconds), 0.0)
-            self._stepped = self.elapsed
+            if seconds > 0:
+                self.elapsed = self.stepped = self.elapsed + float(seconds)
             return
         self.moves += 1
         begun = self._resumed if self.charge else self.elapsed
         self.move_to(max(begun + float(seconds), self.elapsed))
-        self._stepped = self.elapsed
+        self.stepped = self.elapsed
         self.resume()
         self._changed()
 
-    def after_step(self, time_step: float) -> None:
-        """Let a step's time pass, as the pace of every Robotarium."""
-        self.advance(time_step)
+    #: As the pace of every Robotarium it is told of each step.
+    after_step = advance
 
     def spent(self) -> float:
         """Seconds that the script computed and waited since the last step, if charged for it."""
@@ -179,7 +176,7 @@ class SimulatedClock(Scheduler):
 
     def others_step_within(self, seconds: float) -> bool:
         """Whether other threads of the script are there, and a step was made not long ago."""
-        return len(self.threads) > 1 and self.elapsed - self._stepped < seconds
+        return len(self.threads) > 1 and self.elapsed - self.stepped < seconds
 
     # --- In force -------------------------------------------------------------------------------
 

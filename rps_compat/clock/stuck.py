@@ -1,5 +1,6 @@
 """The end of a script that nothing will ever wake again, and where its threads wait."""
 
+import math
 import os
 import sys
 import sysconfig
@@ -18,6 +19,12 @@ _CALLERS = ("ending.py", "runpy.py", "<frozen runpy>")
 
 class Stuck(BaseException):
     """The script waits for ever; not an Exception, so that scripts do not swallow it."""
+
+    @classmethod
+    def told_of(cls, threads: Iterable[ScriptThread], after: float = math.inf) -> "Stuck":
+        """Return what to raise where `threads` wait, perhaps `after` so many simulated seconds."""
+        long = "" if math.isinf(after) else f"no step for {after:g} s of the run, "
+        return cls(f"waits for ever: {long}{where_they_wait(threads)}")
 
 
 def line_of_the_script(frame: FrameType | None) -> str:

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 TURN = 0.02
 #: Looks in a row that find a thread asleep before it is believed to hang in an unknown wait.
 LOOKS = 3
+#: What keeps a thread that hangs in an unknown wait, in words for people.
+IN_C = "waits inside C code"
 
 
 class State(Enum):
@@ -57,6 +59,8 @@ class ScriptThread:
         How many waits in a row took next to no time.
     since
         When it began to wait for the world outside, by the real clock.
+    reason
+        What of the world outside it waits for or asks, in words for people.
     """
 
     def __init__(self, thread: object, started_at: str = "") -> None:
@@ -68,7 +72,7 @@ class ScriptThread:
         self.engine: Wait | None = None
         self.joiners: list[Wait] = []
         self._pipe: tuple[int, int] | None = None
-        self.asks, self.short_waits = False, 0
+        self.asks, self.short_waits, self.reason = False, 0, IN_C
         self.since = self._seen = 0.0
         self.begin_turn()
 

@@ -7,7 +7,7 @@ import weakref
 
 from rps_compat.clock import real
 from rps_compat.clock.scheduler import Scheduler
-from rps_compat.clock.threads import State, cpu_seconds, sleeps
+from rps_compat.clock.threads import IN_C, State, cpu_seconds, sleeps
 
 #: Real seconds between two looks.
 TICK = 0.01
@@ -55,8 +55,12 @@ class Ticker:
             self._asleep = 0
             self._moved = (scheduler.moves, now, scheduler.elapsed)
             return
-        elif self._hangs(scheduler) or self._is_behind(scheduler, now):
+        elif self._hangs(scheduler):
             scheduler.elapsed += passed
+            scheduler.real_reasons[IN_C] = None
+        elif self._is_behind(scheduler, now):
+            scheduler.elapsed += passed
+            scheduler.real_reasons["a main thread that computes while others sleep"] = None
         else:
             return
         while scheduler.fire_next():

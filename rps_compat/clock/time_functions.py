@@ -38,8 +38,8 @@ def time() -> float:
     if clock is None:
         return real.time()
     if clock.solo:
-        clock.elapsed += LOOK
-        return clock.epoch + clock.elapsed
+        clock.elapsed = elapsed = clock.elapsed + LOOK
+        return clock.epoch + elapsed
     return clock.read(clock.epoch, real.time)
 
 
@@ -49,8 +49,8 @@ def monotonic() -> float:
     if clock is None:
         return real.monotonic()
     if clock.solo:
-        clock.elapsed += LOOK
-        return clock.base + clock.elapsed
+        clock.elapsed = elapsed = clock.elapsed + LOOK
+        return clock.base + elapsed
     return clock.read(clock.base, real.monotonic)
 
 
@@ -79,6 +79,10 @@ def sleep(seconds: float, /) -> None:
     clock = _clock
     if clock is None:
         real.sleep(seconds)
+    elif clock.solo and seconds > 0:
+        clock.elapsed = elapsed = clock.elapsed + float(seconds)
+        if elapsed - clock.stepped > clock.longest_wait:
+            clock.check_length()
     else:
         clock.sleep(seconds)
 
