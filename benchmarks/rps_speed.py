@@ -18,7 +18,8 @@ from statistics import median
 import numpy as np
 
 import rps_compat
-from rps_compat.runner import RunSettings, run_script
+from rps_compat.run_settings import RunSettings
+from rps_compat.runner import run_script
 
 #: A script that circles with a boundary certificate; {plot} is what it draws in every step.
 SCRIPT = """

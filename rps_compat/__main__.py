@@ -1,7 +1,6 @@
 """``python -m rps_compat run SCRIPT`` and ``python -m rps_compat path --api 2``."""
 
 import argparse
-import contextlib
 import sys
 from collections.abc import Sequence
 from importlib.metadata import entry_points
@@ -10,10 +9,10 @@ from typing import get_args
 
 from barrier_certificates.certificate_errors import PosflockError
 from rps_compat.install import import_path
+from rps_compat.process import run_and_tell
 from rps_compat.recording import OpenRecorder
-from rps_compat.runner import RunSettings, run_script, snapshot_times, summary
+from rps_compat.run_settings import RunSettings, snapshot_times
 from rps_compat.session import Initial
-from rps_compat.surroundings import stdout_on_stderr
 
 #: Packages offer recorders under this group; the first is used.
 RECORDERS = "rps_compat.recorders"
@@ -75,11 +74,7 @@ def main(words: Sequence[str] | None = None) -> int:
         recorder=offered_recorder(),
         tell=lambda note: print(f"note: {note}", file=sys.stderr, flush=True),
     )
-    # With --json the report alone is on stdout, for programs; the script talks on stderr.
-    with stdout_on_stderr() if asked.json else contextlib.nullcontext():
-        result = run_script(asked.script, asked.arguments, settings)
-    print(result.as_json() if asked.json else summary(result))
-    return result.exit_code
+    return run_and_tell(asked.script, asked.arguments, settings, asked.json)
 
 
 if __name__ == "__main__":

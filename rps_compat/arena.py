@@ -141,6 +141,8 @@ class Arena:
         How fast the wheels really turned in it, left then right, rad/s.
     steps : int
         Steps done.
+    steps_to_start : int
+        How many of them drove the robots to initial conditions.
     violations : Violations
         What would be held against the run on the testbed.
     """
@@ -165,7 +167,7 @@ class Arena:
         self._held = self.commands
         self.velocities: Array = self.commands
         self.wheel_velocities: Array = self.commands
-        self.steps = 0
+        self.steps = self.steps_to_start = 0
         self.time = 0.0
         self.violations = Violations()
         self._observed: Array | None = None

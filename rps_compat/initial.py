@@ -315,6 +315,7 @@ def drive_to(
             break
         arena.commands = drive.commands(poses)
         arena.step()
+        arena.steps_to_start += 1
         after_step()
     else:
         raise drive.failure(arena.observe())

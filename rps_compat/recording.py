@@ -1,10 +1,11 @@
 """What one process keeps of the Robotarium instances that its script makes.
 
-Each instance gets a :class:`Watch`, which is told of every step and passes it on: to the log, to
-the clock, to the film. In a child process of a script (:mod:`rps_compat.children`) it also keeps a
+Each instance gets a :class:`Watch`, which is told of every step and passes it on: to the log
+and to the film. In a child process of a script (:mod:`rps_compat.children`) it also keeps a
 record of what the report needs, on disk and up to date, because such processes are often killed.
 """
 
+import threading
 import weakref
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -60,7 +61,6 @@ class Watch:
         record: Record | None = None,
     ) -> None:
         self._recording, self._log, self._path, self._record = recording, log, path, record
-        self._before = 0.0
         self.instance: Any = None
         self.arena: Arena | None = None
 
@@ -79,10 +79,8 @@ class Watch:
     def append(self, time: float, poses: Array, commands: Array) -> None:
         """Pass one step on."""
         arena = self.arena
-        # The step that begins now takes its time, whatever else the script does in it.
-        end = time + (0.0 if arena is None else arena.robot.time_step)
-        self._recording.advance(end - self._before)
-        self._before = end
+        if self._recording.over and threading.current_thread() is not threading.main_thread():
+            raise SystemExit  # it outlived the run
         if self._log is not None:
             self._log.append(time, poses, commands)
         if self._record is not None and arena is not None:
@@ -127,8 +125,6 @@ class Recording:
         Opens the log of one instance; None writes none.
     about
         What every log is told of the run.
-    advance
-        Is told of the seconds that each step takes.
     film
         Takes pictures of the first instance.
     name
@@ -136,15 +132,17 @@ class Recording:
     open_record
         Opens what is kept of an instance for another process, from its number in this process,
         its number of robots, the path of its log, and whether it is a copy of the parent's.
+    over
+        Whether the run has ended: threads that outlived it end with their next step.
     """
 
     out: Path | None
     open_log: OpenRecorder | None
     about: dict[str, Any]
-    advance: Callable[[float], None]
     film: Film | None = None
     name: Callable[[], str] = lambda: ""
     open_record: Callable[[int, int, Path | None, bool], Record] | None = None
+    over: bool = field(default=False, init=False)
     watches: list[Watch] = field(default_factory=list, init=False)
 
     def watch(self, robots: int, copied: bool = False) -> Watch:
@@ -176,7 +174,12 @@ class Recording:
 
     def reports(self) -> list[RunReport]:
         """Report on each instance, in the order of their making."""
-        return [report_on(watch.arena) for watch in self.watches if watch.arena is not None]
+        return [report_on(arena) for arena in self.arenas]
+
+    @property
+    def arenas(self) -> list[Arena]:
+        """The arenas of the instances, in the order of their making."""
+        return [watch.arena for watch in self.watches if watch.arena is not None]
 
     def close(self, how: str, reason: str) -> list[Path]:
         """Close all watches, and return the files of their logs.
@@ -211,5 +214,5 @@ class _Continued:
     def append(self, time: float, poses: Array, commands: Array) -> None:
         arena = self._arena
         watch = arena.recorder = self._recording.watch(arena.number_of_robots, copied=True)
-        watch.arena, watch._before = arena, time
+        watch.arena = arena
         watch.append(time, poses, commands)

@@ -1,26 +1,18 @@
 """What stands around a script while it runs, and is put back when it ends.
 
-A matplotlib that draws on demand, prepared answers to ``input()``, a limit of real time: each is
-a context manager, so that a script that fails leaves the process as it found it.
+A matplotlib that draws on demand, prepared answers to ``input()``: each is a context manager, so
+that a script that fails leaves the process as it found it.
 """
 
 import builtins
 import contextlib
 import importlib.util
-import math
 import os
-import signal
 import sys
-import threading
 from collections.abc import Callable, Iterator, Sequence
-from types import FrameType, ModuleType
-from typing import Any
-
-from rps_compat.errors import ScriptError
-
-
-class OutOfTime(BaseException):
-    """The time limit of a run is over; not an Exception, so that scripts do not swallow it."""
+from functools import partial
+from types import ModuleType
+from typing import Any, TextIO
 
 
 def has_display() -> bool:
@@ -31,18 +23,20 @@ def has_display() -> bool:
 
 
 @contextlib.contextmanager
-def headless_matplotlib() -> Iterator[None]:
+def headless_matplotlib() -> Iterator[dict[str, None]]:
     """Draw on demand, whatever window system the script asks matplotlib for.
 
-    A script that draws nothing does not wait for matplotlib to be imported.
+    The block is given what the run will have to tell about its windows. A script that draws nothing
+    does not wait for matplotlib to be imported.
     """
+    notes: dict[str, None] = {}
     with contextlib.ExitStack() as around:
         for module, change in (
             ("matplotlib", _no_choice_of_backend),
-            ("matplotlib.pyplot", _no_windows),
+            ("matplotlib.pyplot", partial(_no_windows, notes)),
         ):
             around.enter_context(_WhenImported(module, change))
-        yield
+        yield notes
 
 
 class _WhenImported:
@@ -96,10 +90,13 @@ def _no_choice_of_backend() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _no_windows() -> Iterator[None]:
+def _no_windows(notes: dict[str, None]) -> Iterator[None]:
     import matplotlib as mpl
     from matplotlib import pyplot as plt
 
+    from rps_compat import headless_backend
+
+    before, headless_backend.notes = headless_backend.notes, notes
     figures, backend, switch = plt.get_fignums(), mpl.get_backend(), plt.switch_backend
     switch("module://rps_compat.headless_backend")
     plt.switch_backend = lambda *args, **kwargs: None
@@ -111,18 +108,27 @@ def _no_windows() -> Iterator[None]:
         plt.switch_backend = switch
         with contextlib.suppress(ImportError):  # it needs a display
             switch(backend)
+        headless_backend.notes = before
 
 
 @contextlib.contextmanager
-def stdout_on_stderr() -> Iterator[None]:
-    """Let everything that is printed go to stderr, by child processes as well."""
+def stdout_on_stderr() -> Iterator[TextIO]:
+    """Let everything that is printed go to stderr, by child processes as well.
+
+    The block is given the stdout of before, for what is to go there all the same.
+    """
     sys.stdout.flush()
     stdout = os.dup(1)
     os.dup2(2, 1)
+    ours = sys.stdout
+    with contextlib.suppress(OSError):  # it is no file
+        if ours.fileno() == 1:
+            ours = open(stdout, "w", encoding=ours.encoding, errors=ours.errors, closefd=False)  # noqa: SIM115 - flushed below
     try:
         with contextlib.redirect_stdout(sys.stderr):
-            yield
+            yield ours
     finally:
+        ours.flush()
         os.dup2(stdout, 1)
         os.close(stdout)
 
@@ -142,27 +148,3 @@ def answering(answers: Sequence[str]) -> Iterator[None]:
         yield
     finally:
         builtins.input = asked
-
-
-@contextlib.contextmanager
-def time_limit(seconds: float | None) -> Iterator[None]:
-    """Raise OutOfTime in the script after `seconds` of real time."""
-    if seconds is None or not math.isfinite(seconds):
-        yield
-        return
-    if threading.current_thread() is not threading.main_thread() or not hasattr(
-        signal, "setitimer"
-    ):
-        raise ScriptError("a time limit needs the main thread of a POSIX system")
-
-    def stop(number: int, frame: FrameType | None) -> None:
-        raise OutOfTime
-
-    before = signal.signal(signal.SIGALRM, stop)
-    # Repeated, because a bare `except:` in the script may swallow the first.
-    signal.setitimer(signal.ITIMER_REAL, seconds, 0.25)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)

@@ -8,7 +8,8 @@ from typer.testing import CliRunner
 from posflock_robotarium.cli import app
 from rps_compat.generations import evidence_in
 from rps_compat.lint import LintError, findings_in, rewritten
-from rps_compat.runner import RunSettings, run_script
+from rps_compat.run_settings import RunSettings
+from rps_compat.runner import run_script
 
 
 def lint(source):

@@ -18,7 +18,8 @@ import pytest
 import rps_compat
 from rps_compat.own_imports import hidden_names, whose
 from rps_compat.own_imports.last_resort import LastResort
-from rps_compat.runner import RunSettings, run_script
+from rps_compat.run_settings import RunSettings
+from rps_compat.runner import run_script
 
 WAYS = ("run", "path")
 #: Two robots that drive, are kept apart and drawn, with all that is imported for that.

@@ -11,11 +11,13 @@ import pytest
 from typer.testing import CliRunner
 
 from posflock_robotarium.cli import app
-from posflock_robotarium.errors import ParameterError
+from posflock_robotarium.errors import PosflockError
 from posflock_robotarium.poselog import read_log
 from posflock_robotarium.recording import open_pose_log
 from rps_compat.errors import ScriptError
-from rps_compat.runner import RunSettings, SettingsError, run_script, summary
+from rps_compat.run_result import summary
+from rps_compat.run_settings import RunSettings, SettingsError
+from rps_compat.runner import run_script
 
 SCRIPTS = Path(__file__).parent / "scripts"
 
@@ -327,7 +329,7 @@ def test_impossible_options_are_no_fault_of_the_script(tmp_path, options, messag
     script, out = tmp_path / "s.py", tmp_path / "out"
     script.write_text("print('never')")
     result = CliRunner().invoke(app, ["run", *options, "-o", str(out), str(script)])
-    assert isinstance(result.exception, ParameterError)
+    assert isinstance(result.exception, PosflockError)
     assert message in str(result.exception)
     assert not out.exists()
 

@@ -50,7 +50,8 @@ def run(
     """Run a Robotarium script of either generation, unmodified, and keep its pose log.
 
     The exit code is the script's own: 0 when it finished, 1 after an exception, 124 after the
-    timeout, 130 after Ctrl-C.
+    timeout, 130 after Ctrl-C; 3 when all that was left waited for ever, 4 when it made a
+    Robotarium and never stepped it.
 
     [bold]Examples[/bold]
 
@@ -58,12 +59,10 @@ def run(
 
         posflock run --seed 1 --timeout 60 --snapshot 0,end -o results formation.py --robots 7
     """
-    import contextlib
-
     from posflock_robotarium.recording import open_pose_log
+    from rps_compat.process import run_and_tell
     from rps_compat.profiles import load_profile
-    from rps_compat.runner import RunSettings, run_script, snapshot_times, summary
-    from rps_compat.surroundings import stdout_on_stderr
+    from rps_compat.run_settings import RunSettings, snapshot_times
 
     settings = RunSettings(
         api=None if api == 0 else (1 if api == 1 else 2),
@@ -79,11 +78,8 @@ def run(
         recorder=open_pose_log,
         tell=lambda note: typer.echo(f"{script}: {note}", err=True),
     )
-    # With --json the report alone is on stdout, for programs; the script talks on stderr.
-    with stdout_on_stderr() if as_json else contextlib.nullcontext():
-        result = run_script(script, context.args, settings)
-    typer.echo(result.as_json() if as_json else summary(result))
-    raise typer.Exit(result.exit_code)
+    code = run_and_tell(script, context.args, settings, as_json)
+    raise typer.Exit(code)
 
 
 def lint(

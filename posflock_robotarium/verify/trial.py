@@ -2,8 +2,8 @@
 
 The process was forked for this trial and ends with it.  The script sees the testbed's world: it
 is ``__main__``, has no arguments, finds its files flat in the working folder, and ``rps`` is the
-simulator under the trial's imperfections.  Its time is that of :mod:`~.clock`, and
-:mod:`~.guard` stops what it must not do.
+simulator under the trial's imperfections.  Its time is a :class:`SimulatedClock` that charges it
+for what it computes, and :mod:`~.guard` stops what it must not do.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium import testbed
-from posflock_robotarium.verify.clock import Clock, cpu_seconds, wall_time
 from posflock_robotarium.verify.guard import Guard
+from rps_compat.clock import SimulatedClock, Stuck, real
 
 _PULSE = struct.Struct("qddd")
 
@@ -138,9 +138,11 @@ class Enough(BaseException):
 class Watch:
     """Sees every step: times it, measures the gaps, and ends the run where the plan says so."""
 
-    def __init__(self, plan: TrialPlan, pulse: mmap.mmap, clock: Clock) -> None:
+    def __init__(self, plan: TrialPlan, pulse: mmap.mmap, clock: SimulatedClock) -> None:
         self.plan = plan
         self.clock = clock
+        self.seconds = 0.0
+        self._left = 0.0
         self.arenas: list[Any] = []
         self.loops: list[float] = []
         self.smallest_gap: tuple[float, float, tuple[int, int]] = (np.inf, 0.0, (0, 0))
@@ -168,19 +170,22 @@ class Watch:
     def append(self, t: float, poses: NDArray[np.float64], commands: NDArray[np.float64]) -> None:
         """Be told of a step, before the robots move: called inside the script's ``step()``."""
         arena, plan = self.arenas[-1], self.plan
+        spent = self.clock.spent()
         if self._steps:
-            self.loops.append(self.clock.spent())
-        self.clock.step(arena.robot.time_step)
+            self.loops.append(spent)
+        self.clock.resume()
+        self._left = max(arena.robot.time_step - spent, 0.0)
+        self.seconds += spent + self._left
         self._measure(t, arena)
         self._hear(t, arena)
         self._steps += 1
-        self._pulse[: _PULSE.size] = _PULSE.pack(self._steps, t, wall_time(), cpu_seconds())
+        self._pulse[: _PULSE.size] = _PULSE.pack(self._steps, t, real.time(), real.process_time())
         if plan.kill_at is not None and t >= plan.kill_at:
             os.kill(os.getpid(), signal.SIGKILL)
         if plan.interrupt_at is not None and t >= plan.interrupt_at and not self._interrupted:
             self._interrupted = True
             raise KeyboardInterrupt
-        if max(self.clock.now, t) >= plan.longest:
+        if max(self.seconds, t) >= plan.longest:
             self.over_time = True
             self._refusals += 1
             raise KeyboardInterrupt if self._refusals < 10 else Enough
@@ -209,9 +214,9 @@ class Watch:
             if self._silence > self.silent[0]:
                 self.silent = (self._silence, t)
 
-    def after_step(self) -> None:
-        """Let the script's time begin: the simulator's own work is not the script's."""
-        self.clock.resume()
+    def after_step(self, time_step: float) -> None:
+        """Let the step's time pass; the simulator's own work is not the script's."""
+        self.clock.advance(self._left)
 
 
 def run_trial(plan: TrialPlan) -> None:
@@ -260,7 +265,7 @@ def _run(plan: TrialPlan, outcome: Outcome, pulse: mmap.mmap, deeds: int) -> Non
     from rps_compat.realism import Imperfections
     from rps_compat.session import Session
 
-    clock = Clock()
+    clock = SimulatedClock(charge=True)
     watch = Watch(plan, pulse, clock)
     profile = profile_from_dict(plan.profile) if plan.profile else None
     session = Session(
@@ -269,7 +274,7 @@ def _run(plan: TrialPlan, outcome: Outcome, pulse: mmap.mmap, deeds: int) -> Non
         realism=None if profile is None else lambda: Imperfections(profile),
         recorder=lambda robots: watch,
         created=watch.created,
-        wait=False,
+        pace=watch,
     )
     scratch = os.path.realpath(plan.scratch)
     os.chdir(scratch)
@@ -290,12 +295,17 @@ def _run(plan: TrialPlan, outcome: Outcome, pulse: mmap.mmap, deeds: int) -> Non
 
 
 def _run_guarded(
-    plan: TrialPlan, outcome: Outcome, session: Any, clock: Clock, watch: Watch, scratch: str
+    plan: TrialPlan,
+    outcome: Outcome,
+    session: Any,
+    clock: SimulatedClock,
+    watch: Watch,
+    scratch: str,
 ) -> None:
     import atexit
 
     try:
-        with session.active(), clock.installed():
+        with session.active(), clock.in_force():
             try:
                 runpy.run_path(os.path.join(scratch, plan.script), run_name="__main__")
             finally:
@@ -314,6 +324,9 @@ def _run_guarded(
     except MemoryError as error:
         outcome.ended = "memory"
         outcome.error = _error(error, scratch)
+    except Stuck as error:
+        outcome.ended = "hung"
+        outcome.error = _error(error, scratch)
     except BaseException as error:
         outcome.ended = "crashed"
         outcome.error = _error(error, scratch)
@@ -327,7 +340,7 @@ def _run_guarded(
 
 
 def _listen(watch: Watch, generation: int) -> None:
-    """Be told of the end of each step and of the finishing call."""
+    """Be told of the finishing call."""
     from importlib import import_module
 
     kind = import_module(f"rps_compat.v{generation}.robotarium").Robotarium
@@ -338,18 +351,13 @@ def _listen(watch: Watch, generation: int) -> None:
             raise Enough
 
         kind.get_poses = enough
-    step, finish = kind.step, "debug" if generation == 2 else "call_at_scripts_end"
+    finish = "debug" if generation == 2 else "call_at_scripts_end"
     finishing = getattr(kind, finish)
-
-    def timed(self: Any) -> None:
-        step(self)
-        watch.after_step()
 
     def finished(self: Any) -> None:
         watch.finished = True
         finishing(self)
 
-    kind.step = timed
     setattr(kind, finish, finished)
 
 
@@ -401,7 +409,7 @@ def _missing_file(error: BaseException, scratch: str) -> str:
 def _describe(outcome: Outcome, watch: Watch, plan: TrialPlan) -> None:
     """Fill in what was measured."""
     outcome.generation = plan.generation
-    outcome.clock = watch.clock.now
+    outcome.clock = watch.seconds
     outcome.steps = watch._steps
     outcome.finishing_call = watch.finished
     if watch.loops:

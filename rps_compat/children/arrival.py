@@ -42,11 +42,11 @@ def join_run(as_worker: bool = False) -> None:
         initial=plan.initial,
         seed=plan.seed,
         realism=refuse or realism,
-        wait=False if plan.headless else None,
+        pace=clock if plan.headless else None,
     )
     about = {"script": plan.script, "api": plan.api, "seed": plan.seed}
     out = None if plan.out is None else Path(plan.out)
-    family = Family(plan, session, Recording(out, refuse or open_log, about, clock.advance))
+    family = Family(plan, session, Recording(out, refuse or open_log, about))
     family.arrive(as_worker)
     use(session)
     atexit.register(_surroundings.close)

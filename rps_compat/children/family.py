@@ -78,8 +78,16 @@ class Family:
                 if value is not None:
                     os.environ[name] = value
             if self.is_home:
-                self.children = gather(self._room)
-                shutil.rmtree(self._room, ignore_errors=True)
+                self._gather()
+
+    def end_children(self) -> None:
+        """End and gather what runs in child processes: this process ends without its script."""
+        terminate(self._room)
+        self._gather()
+
+    def _gather(self) -> None:
+        self.children = gather(self._room)
+        shutil.rmtree(self._room, ignore_errors=True)
 
     @property
     def _room(self) -> Path:

@@ -21,16 +21,11 @@ class Leftovers:
 
     def __init__(self) -> None:
         self._finalizers = set(_finalizers())
-        self._executors = set(_executors())
         self._processes = set(_processes())
         self._server = _server()
 
     def wait_for(self) -> None:
-        """Close pools, end daemons, wait for other processes."""
-        for thread in set(_executors()) - self._executors:
-            executor = thread.executor_reference()
-            if executor is not None:
-                executor.shutdown()
+        """Close pools of `multiprocessing`, end daemons, wait for other processes."""
         self._finalize(0)
         processes = set(_processes()) - self._processes
         for process in processes:
@@ -77,10 +72,6 @@ def _processes() -> list[Any]:
 def _finalizers() -> dict[Any, Any]:
     found = getattr(sys.modules.get("multiprocessing.util"), "_finalizer_registry", {})
     return dict(found)
-
-
-def _executors() -> list[Any]:
-    return list(getattr(sys.modules.get("concurrent.futures.process"), "_threads_wakeups", ()))
 
 
 def _server() -> Any:

@@ -120,7 +120,7 @@ class RobotariumABC(Sensing, ABC):
         self._picture: ArenaFigure | None = None
         if show_figure:
             self._open_figure().show()
-        self._pace = pace_of(self._picture, sim_in_real_time, self._session.wait)
+        self._pace = pace_of(self._picture, sim_in_real_time, self._session)
         if self._session.created is not None:
             self._session.created(self)
         if mode == "drive":
@@ -152,7 +152,8 @@ class RobotariumABC(Sensing, ABC):
             picture.axes, lambda: arena.poses, self.robot_length, self.robot_width, self.boundaries
         )
         for ends in np.asarray(self.obstacles, dtype=float).reshape(-1, 2, 2):
-            self.axes.plot(*ends, color="0.5", linewidth=4)
+            if not np.isnan(ends).any():  # the published default stands for none
+                self.axes.plot(*ends, color="0.5", linewidth=4)
         return picture
 
     def _targets(self, initial_conditions: Array, rng: Callable[[], np.random.Generator]) -> Array:
