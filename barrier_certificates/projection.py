@@ -40,6 +40,7 @@ from barrier_certificates.certificate_errors import (
     ShapeError,
 )
 from barrier_certificates.rows import BoolArray, FloatArray, IntArray, Rows
+from barrier_certificates.ties import rank
 
 Policy = Literal["relax", "stop", "raise"]
 Status = Literal["trivial", "optimal", "relaxed", "failed"]
@@ -296,8 +297,12 @@ class Projector:
         """Do what the policy says where no velocity satisfies all rows."""
         self._warm = _NO_ROWS
         if self.on_infeasible == "raise":
-            furthest = [k for k in np.argsort(-excess)[:3] if excess[k] > TOLERANCE]
-            named = "; ".join(f"{rows.label(int(k))} ({excess[k]:.3g} m/s)" for k in furthest)
+            furthest = np.argsort([-rank(e) for e in excess], kind="stable")[:3]
+            named = "; ".join(
+                f"{rows.label(int(k))} ({excess[k]:.3g} m/s)"
+                for k in furthest
+                if excess[k] > TOLERANCE
+            )
             raise InfeasibleError(
                 f"no velocity satisfies all {len(rows)} rows; the command breaks most: {named}. "
                 "Part the robots, bring them inside the walls, or use on_infeasible='relax'"

@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
+from barrier_certificates import ties
 from barrier_certificates.pairs import PairRows
 from barrier_certificates.rows import WORLD, Barrier, Family, FloatArray, IntArray, Rows, Scene
 
@@ -98,16 +99,19 @@ class RowBook:
         found: list[Margin] = []
 
         def collect(label: Callable[[int], str], h: FloatArray, clearance: FloatArray) -> None:
-            for row in np.flatnonzero(clearance <= within):
+            for row in np.flatnonzero(ties.within(clearance, within)):
                 found.append(Margin(label(int(row)), float(h[row]), float(clearance[row])))
 
         for family in self.families:
             collect(partial(family.label, number), *family.measure(scene))
         if self.pairs is not None and number > 1:
             tree = cKDTree(scene.positions.T)
-            pairs = tree.query_pairs(self.pairs.radius + within, output_type="ndarray").T
+            # The tree rounds otherwise than `measure`, which decides, and has an order of its own.
+            reach = self.pairs.radius + within + 2 * ties.TIE
+            pairs = tree.query_pairs(reach, output_type="ndarray").T
+            pairs = pairs[:, np.lexsort(pairs[::-1])]
             collect(_labeller(str, 0, pairs), *self.pairs.measure(scene, pairs))
-        return sorted(found, key=lambda margin: margin.clearance)
+        return sorted(found, key=lambda margin: ties.rank(margin.clearance))
 
     def _lay_out(self, number: int) -> None:
         """Allocate for this number of robots, and write what does not change."""

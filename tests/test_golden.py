@@ -10,7 +10,8 @@ import inspect
 import json
 
 import pytest
-from golden_replay import GOLDEN, Vectors, replay
+from golden_replay import replay
+from golden_vectors import GOLDEN, Vectors
 
 import rps_compat
 from rps_compat import deviations
