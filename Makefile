@@ -12,7 +12,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: demo test test-slow test-numpy1 lint bench bench-nine bench-rps bench-barriers bench-verify \
+.PHONY: demo test test-slow test-numpy1 test-portable lint bench bench-nine bench-rps bench-barriers bench-verify \
 	bench-report bench-fuzz bench-paper lock clean help
 .DEFAULT_GOAL := help
 
@@ -40,16 +40,11 @@ test: $(VENV)/.dev  ## the test suite
 test-slow: $(VENV)/.dev  ## the tests that take minutes
 	$(BIN)/python -m pytest -m slow $(PYTEST_ARGS)
 
-# The oldest NumPy that is supported, on Pythons that still have it (3.10 to 3.12); the newest
-# cvxpy and pyarrow need NumPy 2.
-$(VENV)-numpy1/.dev: setup.cfg constraints.txt
-	$(PYTHON) -m venv $(VENV)-numpy1
-	grep -vE '^(numpy|cvxpy|pyarrow)==' constraints.txt > $(VENV)-numpy1/constraints.txt
-	$(VENV)-numpy1/bin/pip install -q -c $(VENV)-numpy1/constraints.txt 'numpy <2' 'pyarrow <20' -e '.[test]'
-	@touch $@
+test-numpy1: $(VENV)/.dev  ## the test suite on NumPy 1.26, the oldest that is supported
+	$(BIN)/python .ci/portable.py --environment numpy1 $(PYTEST_ARGS)
 
-test-numpy1: $(VENV)-numpy1/.dev  ## the test suite on NumPy 1.26
-	$(VENV)-numpy1/bin/python -m pytest -n 2 $(PYTEST_ARGS)
+test-portable: $(VENV)/.dev  ## the tests as other processors, numpys and Pythons compute
+	$(BIN)/python .ci/portable.py $(PYTEST_ARGS)
 
 lint: $(VENV)/.dev  ## ruff, mypy --strict, import rules
 	$(BIN)/ruff check .
@@ -91,4 +86,4 @@ lock:  ## renew constraints.txt from the ranges in setup.cfg (needs uv)
 	uv pip compile --universal --python-version 3.10 --extra dev --no-annotate --no-header -q setup.cfg -o constraints.txt
 
 clean:  ## remove environments and results
-	rm -rf $(VENV) $(VENV)-numpy1 results build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) .venv-numpy1 .venv-testbed .venv-newest results build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
