@@ -119,8 +119,9 @@ def look(python: Path, setting: Setting) -> Machine | str:
     if said.returncode:
         lines = said.stderr.strip().splitlines()
         return lines[-1] if lines else f"ended by signal {-said.returncode}"
-    told: dict[str, Any] = json.loads(said.stdout)
-    return Machine(**{k: tuple(v) if isinstance(v, list) else v for k, v in told.items()})
+    told = json.loads(said.stdout).items()
+    frozen: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in told}
+    return Machine(**frozen)
 
 
 def candidates(here: Machine) -> list[Setting]:
