@@ -93,9 +93,9 @@ def test_a_gap_is_more_than_three_steps():
     assert Recording("gap", np.delete(regular, [20, 21, 22]), np.zeros((37, 3, 1))).gaps.size == 1
 
 
-def test_a_window_of_an_even_number_of_steps_is_the_next_odd_one():
+def test_a_window_of_an_even_number_of_steps_is_one_less():
     for step in neighbours_of(0.1):
-        assert window_points(float(step), 0.4) == 5
+        assert window_points(float(step), 0.6) == 5
 
 
 def test_robots_at_the_slowest_speed_stand():
