@@ -13,7 +13,7 @@ export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
 .PHONY: demo test test-slow test-numpy1 test-portable lint bench bench-nine bench-rps bench-barriers bench-verify \
-	bench-report bench-fuzz bench-paper lock clean help
+	bench-report bench-fuzz bench-paper bench-machines lock clean help
 .DEFAULT_GOAL := help
 
 help:  ## this list
@@ -52,7 +52,8 @@ lint: $(VENV)/.dev  ## ruff, mypy --strict, import rules
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: bench-nine bench-rps bench-barriers bench-verify bench-report bench-fuzz bench-paper  ## every benchmark
+bench: bench-nine bench-rps bench-barriers bench-verify bench-report bench-fuzz bench-paper \
+	bench-machines  ## every benchmark
 
 bench-nine: $(VENV)/.dev  ## the nine-robot experiment against its acceptance table
 	$(BIN)/python benchmarks/nine_robots.py
@@ -76,6 +77,9 @@ bench-report: $(VENV)/.dev  ## estimators against truth; cost of an analysis ove
 
 bench-fuzz: $(VENV)/.dev  ## twenty thousand damaged files through the readers of logs
 	$(BIN)/python benchmarks/fuzz_readers.py
+
+bench-machines: $(VENV)/.dev  ## how far runs of one seed drift apart from machine to machine
+	$(BIN)/python benchmarks/machine_differences.py
 
 bench-paper: $(VENV)/.dev  ## the paper's table over seeds, what flocks and sweeps cost
 	$(BIN)/python benchmarks/paper_table.py

@@ -79,7 +79,7 @@ class DeadlockMonitor:
         wish = np.hypot(desired[0], desired[1])
         held = (wish > p.idle) & (np.hypot(velocity[0], velocity[1]) < p.held * wish)
         self._held = np.where(held, self._held + p.time_step, 0.0)
-        held_back = np.abs(velocity - command).max(axis=0) > 1e-9
+        held_back = ties.beyond(np.abs(velocity - command).max(axis=0), 0.0)
         self._stuck = (stuck & held_back) | ties.beyond(self._held, p.patience)
 
 

@@ -26,7 +26,7 @@ from scipy.signal import savgol_filter
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components as _components
 
-from barrier_certificates.ties import beyond, within
+from barrier_certificates.ties import TIE, beyond, within
 from posflock_robotarium.errors import ParameterError
 from posflock_robotarium.law import displacements, neighbours
 from posflock_robotarium.neighbour_search import (
@@ -287,7 +287,7 @@ def common_heading(velocities: ArrayLike, *, slowest: float = 0.0) -> Floats:
     mean = _mean_direction(velocities, slowest)
     angle = np.arctan2(mean[..., 1], mean[..., 0])
     # Opposite robots cancel: what rounding leaves of their mean has no direction.
-    return np.where(np.square(mean).sum(axis=-1) > 1e-18, angle, np.nan)
+    return np.where(np.square(mean).sum(axis=-1) > TIE**2, angle, np.nan)
 
 
 def spread(positions: ArrayLike) -> Floats:
@@ -318,7 +318,7 @@ def algebraic_connectivity(positions: ArrayLike, radius: float | Floats) -> Floa
     agents = np.arange(links.shape[-1])
     laplacian[..., agents, agents] = links.sum(axis=-1)
     second = np.linalg.eigvalsh(laplacian)[..., 1]
-    return np.where(second > 1e-9, second, 0.0)
+    return np.where(beyond(second, 0.0), second, 0.0)
 
 
 def connected_components(positions: ArrayLike, radius: float | Floats) -> NDArray[np.int_]:
