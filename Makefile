@@ -52,8 +52,7 @@ lint: $(VENV)/.dev  ## ruff, mypy --strict, import rules
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: bench-nine bench-rps bench-barriers bench-verify bench-report bench-fuzz bench-paper \
-	bench-machines  ## every benchmark
+bench: bench-nine bench-rps bench-barriers bench-verify bench-report bench-fuzz bench-paper bench-machines  ## every benchmark
 
 bench-nine: $(VENV)/.dev  ## the nine-robot experiment against its acceptance table
 	$(BIN)/python benchmarks/nine_robots.py
