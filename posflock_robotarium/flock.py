@@ -36,6 +36,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from barrier_certificates import ties
 from barrier_certificates.unicycle import UnicycleCertificate
 from posflock_robotarium.errors import ParameterError
 from posflock_robotarium.law import (
@@ -217,7 +218,7 @@ class Flock:
             raise ParameterError(
                 f"duration: expected at least one step of {self.time_step:g} s, got {duration!r} s"
             )
-        return round(duration / self.time_step)
+        return ties.nearest_whole(duration / self.time_step)
 
     def step(self, poses: ArrayLike) -> FlockStep:
         """Decide the next command from the poses just read.
@@ -248,7 +249,7 @@ class Flock:
         )
         w = self._velocity
         turning = 0.0
-        if self.walls == "steer" and time > self.steering.start:
+        if self.walls == "steer" and ties.beyond(time, self.steering.start):
             turning = self._turning(points, w)
             self._angle += turning
             u = u + _turned(u.mean(axis=1), self._angle)
@@ -280,12 +281,14 @@ class Flock:
         common = velocity.mean(axis=1)
         along = common[0] * inward[0] + common[1] * inward[1]
         lengths = math.hypot(*common) * math.hypot(*inward)
-        if not call.any() or (lengths > 0.0 and along >= self.steering.clear * lengths):
+        clear = lengths > 0.0 and along >= self.steering.clear * lengths
+        if clear or not ties.beyond(call, 0.0).any():
             self._turn = 0.0
         elif self._turn == 0.0:
             # Latched until the flock is clear: a corner must not make it dither.
             across = common[0] * inward[1] - common[1] * inward[0]
-            self._turn = 1.0 if across >= 0.0 else -1.0
+            # Straight at a wall, both ways are as good.
+            self._turn = 1.0 if ties.reached(across, 0.0) else -1.0
         return self._turn * self.steering.turn_rate * self.time_step
 
     def _checked(self, poses: ArrayLike) -> Floats:

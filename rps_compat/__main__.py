@@ -41,7 +41,11 @@ def parser() -> argparse.ArgumentParser:
     )
     shown.add_argument("--window", dest="headless", action="store_false", help="show the arena")
     run.add_argument("--initial", choices=get_args(Initial), default="published")
-    run.add_argument("--seed", type=int, help="of Python's and numpy's global generators")
+    run.add_argument(
+        "--seed",
+        type=int,
+        help="of Python's and numpy's global generators: on one machine, the same bytes",
+    )
     run.add_argument("--timeout", type=float, help="seconds of real time")
     run.add_argument("--input", action="append", default=[], help="an answer to input()")
     run.add_argument("--snapshot", default="", help="times in seconds: 0,10,end")

@@ -18,7 +18,9 @@ from collections.abc import Callable, Iterator
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
+from barrier_certificates.ties import beyond, first_smallest, short_of, within
 from rps_compat.arena import Arena, Array, RobotModel
 from rps_compat.errors import InitialConditionsError, UnreachableError
 from rps_compat.kinematics import wrap
@@ -81,7 +83,9 @@ def require_possible(poses: Array, robot: RobotModel, *, apart: bool) -> None:
     """
     x, y, _ = poses
     x_min, x_max, y_min, y_max = robot.boundaries
-    outside = np.flatnonzero((x < x_min) | (x > x_max) | (y < y_min) | (y > y_max))
+    outside = np.flatnonzero(
+        short_of(x, x_min) | beyond(x, x_max) | short_of(y, y_min) | beyond(y, y_max)
+    )
     if outside.size:
         one = int(outside[0])
         raise InitialConditionsError(
@@ -91,7 +95,7 @@ def require_possible(poses: Array, robot: RobotModel, *, apart: bool) -> None:
     if poses.shape[1] < 2:
         return
     distance, first, second = _nearest_pair(poses, robot.collision_offset)
-    if distance <= robot.collision_diameter:
+    if within(distance, robot.collision_diameter):
         message = (
             f"robots {first} and {second} would start too close: their collision points are "
             f"{100 * distance:.1f} cm apart, less than {100 * robot.collision_diameter:.1f} cm"
@@ -105,7 +109,7 @@ def _nearest_pair(poses: Array, ahead: float) -> tuple[float, int, int]:
     i, j = np.triu_indices(poses.shape[1], 1)
     bodies = poses[:2] + ahead * np.array([np.cos(poses[2]), np.sin(poses[2])])
     distances = np.hypot(*(bodies[:, i] - bodies[:, j]))
-    nearest = int(distances.argmin())
+    nearest = first_smallest(distances)
     return float(distances[nearest]), int(i[nearest]), int(j[nearest])
 
 
@@ -182,7 +186,9 @@ def near(targets: Array, robot: RobotModel, rng: np.random.Generator) -> Array:
         poses[0] = np.clip(poses[0], robot.boundaries[0], robot.boundaries[1])
         poses[1] = np.clip(poses[1], robot.boundaries[2], robot.boundaries[3])
         poses[2] = wrap(poses[2])
-        if robots < 2 or _nearest_pair(poses, robot.collision_offset)[0] > robot.collision_diameter:
+        if robots < 2:
+            return poses
+        if beyond(_nearest_pair(poses, robot.collision_offset)[0], robot.collision_diameter):
             return poses
     return np.array(targets)
 
@@ -233,9 +239,13 @@ class Drive:
 
     def arrived(self, poses: Array) -> bool:
         """Whether all robots at `poses` (3, N) are within tolerance."""
-        return bool((self._position_errors(poses) <= POSITION_TOLERANCE).all()) and bool(
-            (np.abs(self._turns(poses)) <= HEADING_TOLERANCE).all()
-        )
+        return not self._late(poses).any()
+
+    def _late(self, poses: Array) -> NDArray[np.bool_]:
+        """Which robots at `poses` (3, N) are not yet within tolerance."""
+        far = beyond(self._position_errors(poses), POSITION_TOLERANCE)
+        late: NDArray[np.bool_] = far | beyond(np.abs(self._turns(poses)), HEADING_TOLERANCE)
+        return late
 
     def _position_errors(self, poses: Array) -> Array:
         errors: Array = np.hypot(*(self._targets[:2] - poses[:2]))
@@ -283,9 +293,7 @@ class Drive:
     def failure(self, poses: Array) -> UnreachableError:
         """Return the error that says which robots did not arrive at all, and how far they were."""
         errors = self._position_errors(poses)
-        late = np.flatnonzero(
-            (errors > POSITION_TOLERANCE) | (np.abs(self._turns(poses)) > HEADING_TOLERANCE)
-        )
+        late = np.flatnonzero(self._late(poses))
         which = ", ".join(f"{robot} ({100 * errors[robot]:.1f} cm away)" for robot in late[:8])
         return UnreachableError(
             f"after {LONGEST_DRIVE:g} s of driving, {late.size} of {errors.size} robots were not "

@@ -7,6 +7,7 @@ that each generation prints at the end of a script, and plain data for JSON.
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
+from barrier_certificates.ties import beyond
 from rps_compat.arena import Arena
 from rps_compat.violations import Violations
 
@@ -114,7 +115,7 @@ class RunReport:
         notes = []
         if self.number_of_robots > TESTBED_ROBOTS:
             notes.append(f"{self.number_of_robots} robots: the testbed has {TESTBED_ROBOTS}")
-        if self.duration > TESTBED_SECONDS:
+        if beyond(self.duration, TESTBED_SECONDS):
             notes.append(
                 f"{self.duration:.1f} s: the testbed ends every run after {TESTBED_SECONDS:g} s"
             )

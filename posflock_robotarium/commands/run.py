@@ -26,7 +26,10 @@ def run(
         ),
     ] = "published",
     seed: Annotated[
-        int | None, typer.Option(help="Seed of Python's and numpy's global generators.")
+        int | None,
+        typer.Option(
+            help="Seed of Python's and numpy's global generators: on one machine, the same bytes."
+        ),
     ] = None,
     realism: Annotated[
         str, typer.Option(help="Imperfections: ideal, gritsbot_x, harsh, or a file profile.toml.")

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+from barrier_certificates import ties
 from posflock_robotarium import testbed
 from posflock_robotarium.verify.findings import (
     Finding,
@@ -322,7 +323,8 @@ def _actuator(ideal: Outcome) -> Iterator[Finding]:
 def _start(ideal: Outcome, drive: Outcome | None, known: Sequence[Finding]) -> Iterator[Finding]:
     gap = ideal.initial_gap
     colliding = _starts_in_collision(ideal)
-    if gap and gap["metres"] < testbed.SPACING:
+    close = bool(gap) and ties.short_of(gap["metres"], testbed.SPACING)
+    if close:
         yield Finding(
             "close-start",
             Verdict.FAIL if colliding else Verdict.RISK,
@@ -334,7 +336,8 @@ def _start(ideal: Outcome, drive: Outcome | None, known: Sequence[Finding]) -> I
             figure=gap["metres"],
             unit="m",
         )
-    if colliding:
+    # Whether robots get to places so close takes minutes of pushing, and hangs on its last bits.
+    if close or colliding:
         return
     if drive is not None and drive.ended == "crashed" and not is_explained(drive.error, known):
         yield Finding(
@@ -351,7 +354,7 @@ def _starts_in_collision(ideal: Outcome) -> bool:
     """Whether the initial conditions themselves are the first collision."""
     first = _first(ideal, "collision")
     gap = ideal.initial_gap.get("metres", testbed.SPACING)
-    return first is not None and first["time"] == 0.0 and gap < testbed.SPACING
+    return first is not None and first["time"] == 0.0 and ties.short_of(gap, testbed.SPACING)
 
 
 def _loop(ideal: Outcome, known: Sequence[Finding]) -> Iterator[Finding]:
@@ -382,7 +385,7 @@ def _loop(ideal: Outcome, known: Sequence[Finding]) -> Iterator[Finding]:
             figure=loop["max"],
             unit="s",
         )
-    elif ideal.silent.get("seconds", 0.0) >= testbed.WATCHDOG:
+    elif ties.reached(ideal.silent.get("seconds", 0.0), testbed.WATCHDOG):
         yield Finding(
             "watchdog",
             Verdict.RISK,
@@ -413,16 +416,16 @@ def _duration(ideal: Outcome, declared: float | None, counted: bool) -> Iterator
                 unit="s",
             )
         return
-    if run + most <= allowed:
+    if ties.within(run + most, allowed):
         return
-    certain = run + least > allowed
+    certain = ties.beyond(run + least, allowed)
     yield Finding(
         "duration",
         Verdict.FAIL if certain else Verdict.RISK,
         f"takes {run:.0f} s, and driving to the initial conditions before it took {least:.0f} to"
         f" {most:.0f} s (median {median:.0f}) in published runs: {run + median:.0f} s of {of}",
         f"declare {recommended_duration(run):.0f} s"
-        if declared and run + most <= testbed.MAX_DURATION
+        if declared and ties.within(run + most, testbed.MAX_DURATION)
         else "shorten it",
         time=run,
         figure=run + median,
@@ -432,7 +435,8 @@ def _duration(ideal: Outcome, declared: float | None, counted: bool) -> Iterator
 
 def recommended_duration(run: float) -> float:
     """Return the duration to declare for a run of so many seconds: the slowest drive fits."""
-    return float(min(testbed.MAX_DURATION, 10 * -(-(run + testbed.INITIAL_DRIVE[2]) // 10)))
+    tens = -ties.whole(-(run + testbed.INITIAL_DRIVE[2]) / 10)
+    return float(min(testbed.MAX_DURATION, 10 * tens))
 
 
 def _data(

@@ -11,6 +11,7 @@ from __future__ import annotations
 import builtins
 import contextlib
 import json
+import math
 import mmap
 import os
 import resource
@@ -26,6 +27,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from barrier_certificates.ties import beyond, first_smallest, reached, short_of
 from posflock_robotarium import testbed
 from posflock_robotarium.verify.guard import Guard
 from rps_compat.clock import SimulatedClock, Stuck, real
@@ -180,12 +182,13 @@ class Watch:
         self._hear(t, arena)
         self._steps += 1
         self._pulse[: _PULSE.size] = _PULSE.pack(self._steps, t, real.time(), real.process_time())
-        if plan.kill_at is not None and t >= plan.kill_at:
+        if plan.kill_at is not None and reached(t, plan.kill_at):
             os.kill(os.getpid(), signal.SIGKILL)
-        if plan.interrupt_at is not None and t >= plan.interrupt_at and not self._interrupted:
+        interrupt = math.inf if plan.interrupt_at is None else plan.interrupt_at
+        if reached(t, interrupt) and not self._interrupted:
             self._interrupted = True
             raise KeyboardInterrupt
-        if max(self.seconds, t) >= plan.longest:
+        if reached(max(self.seconds, t), plan.longest):
             self.over_time = True
             self._refusals += 1
             raise KeyboardInterrupt if self._refusals < 10 else Enough
@@ -195,14 +198,14 @@ class Watch:
         points = poses[0] + 1j * poses[1]
         if points.size > 1:
             gaps = np.abs(points[:, None] - points) + np.diag(np.full(points.size, np.inf))
-            k = int(gaps.argmin())
-            if gaps.flat[k] < self.smallest_gap[0]:
+            k = first_smallest(gaps.flat)
+            if short_of(gaps.flat[k], self.smallest_gap[0]):
                 self.smallest_gap = (float(gaps.flat[k]), t, divmod(k, points.size))
         x_min, x_max, y_min, y_max = arena.robot.boundaries
         wall = np.minimum.reduce([poses[0] - x_min, x_max - poses[0], poses[1] - y_min])
         wall = np.minimum(wall, y_max - poses[1])
-        robot = int(wall.argmin())
-        if wall[robot] < self.wall_gap[0]:
+        robot = first_smallest(wall)
+        if short_of(wall[robot], self.wall_gap[0]):
             self.wall_gap = (float(wall[robot]), t, robot)
 
     def _hear(self, t: float, arena: Any) -> None:
@@ -211,7 +214,7 @@ class Watch:
             self._silence = 0.0
         else:
             self._silence += arena.robot.time_step
-            if self._silence > self.silent[0]:
+            if beyond(self._silence, self.silent[0]):
                 self.silent = (self._silence, t)
 
     def after_step(self, time_step: float) -> None:

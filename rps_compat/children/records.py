@@ -139,7 +139,13 @@ class Record:
         steps, dt, close, outside, actuator, pairs, fastest, faults, over = _HEAD.unpack_from(
             content
         )
-        found = Violations(actuator, fastest, outside, {}, pairs, {}, close)
+        found = Violations(
+            actuator_steps=actuator,
+            largest_wheel_velocity=fastest,
+            outside_steps=outside,
+            close_pairs=pairs,
+            close_steps=close,
+        )
         for k in range(min(faults, (len(content) - _HEAD.size) // _FAULT.size)):
             place = _HEAD.size + _FAULT.size * k
             kind, first, second, begun, seen, worst = _FAULT.unpack_from(content, place)

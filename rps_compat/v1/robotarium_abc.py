@@ -258,7 +258,7 @@ class RobotariumABC(Sensing, ABC):
         for kind, count in (
             ("boundary", dict(found.outside_by_robot)),
             ("collision", dict(found.close_by_robot)),
-            ("actuator", found.actuator_steps),
+            ("actuator", found.saturated_steps),
         ):
             if count:
                 errors[kind] = count

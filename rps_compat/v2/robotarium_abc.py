@@ -419,7 +419,7 @@ class ARobotarium(ABC):
         counts = {
             "robots_outside_boundaries": found.outside_steps,
             "robots_too_close": found.close_pairs,
-            "exceeded_actuator_limits": found.actuator_steps,
+            "exceeded_actuator_limits": found.saturated_steps,
         }
         return {kind: count for kind, count in counts.items() if count}
 

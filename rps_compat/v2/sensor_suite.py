@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from barrier_certificates.ties import reached
 from rps_compat import sensors
 from rps_compat.arena import Array
 
@@ -143,7 +144,8 @@ class SensorSuite:
     def feel_orientations(self, noise: Array) -> None:
         """Renew the orientations with standard normal `noise` (N,)."""
         degrees = np.rad2deg(self._headings) + noise * self._of.ORIENTATION_NOISE_STD
-        self._orientations = np.mod(degrees, 360)
+        around = np.mod(degrees, 360)
+        self._orientations = np.where(reached(around, 360.0), 0.0, around)
 
     def work_out(self) -> None:
         """Finish the readings that a step left for whoever asks."""

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from barrier_certificates import ties
 from posflock_robotarium.errors import LogError
 
 Floats = NDArray[np.float64]
@@ -110,7 +111,7 @@ class Recording:
     def gaps(self) -> NDArray[np.intp]:
         """Samples before which time is missing (indices into `t`)."""
         steps = np.diff(self.t)
-        return np.flatnonzero(steps > GAP_FACTOR * np.median(steps)) + 1
+        return np.flatnonzero(ties.beyond(steps, GAP_FACTOR * np.median(steps))) + 1
 
     @property
     def segments(self) -> list[slice]:
