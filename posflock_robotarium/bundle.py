@@ -30,6 +30,7 @@ from posflock_robotarium.verify.files import files_read
 from posflock_robotarium.verify.findings import count
 from posflock_robotarium.verify.generations import wrong_names
 from posflock_robotarium.verify.source import Source
+from rps_compat.scripts import libraries
 
 MANIFEST, INSTRUCTIONS = "MANIFEST", "SUBMIT.md"
 
@@ -146,13 +147,13 @@ def _require_complete(found: import_graph.Trace) -> None:
     for missing in found.missing:
         statement = missing.statement
         where = f"{missing.wanted_by.name}, line {statement.line}"
-        if statement.top == testbed.STAND_IN:
+        if statement.top == libraries.STAND_IN:
             raise BundleError(
                 f"{where}: imports {statement.module}, which stands in for rps on this machine"
                 " only; import rps, and rps_compat in `except ImportError`"
             )
-        instead = testbed.ABSENT.get(statement.top, "do without it, or upload its source files")
-        if statement.top in testbed.ABSENT or missing.installed_here:
+        instead = libraries.ABSENT.get(statement.top, "do without it, or upload its source files")
+        if statement.top in libraries.ABSENT or missing.installed_here:
             raise BundleError(
                 f"{where}: imports {statement.top}, which the testbed has not; {instead}"
             )
@@ -164,8 +165,8 @@ def _require_complete(found: import_graph.Trace) -> None:
 
 def _warnings(script: Path, found: import_graph.Trace) -> Iterator[str]:
     """Yield what the uploaded files lack to run on the testbed, which has generation 2."""
-    if testbed.SIMULATOR not in found.libraries:
-        yield f"{script.name} never imports {testbed.SIMULATOR}: no robot would move"
+    if libraries.SIMULATOR not in found.libraries:
+        yield f"{script.name} never imports {libraries.SIMULATOR}: no robot would move"
     theirs = [local.path for local in found.locals if not import_graph.is_ours(local.name)]
     for path in [script, *theirs]:
         told = set()
@@ -193,7 +194,7 @@ def _flat_modules(script: Path, found: import_graph.Trace) -> dict[str, bytes]:
     without_file = above - packages
     for name, path in [*modules, *((name, None) for name in sorted(without_file))]:
         flat = name.rpartition(".")[2] + ".py"
-        hidden = testbed.shadowed_by(flat[:-3])
+        hidden = libraries.shadowed_by(flat[:-3])
         if hidden:
             raise BundleError(
                 f"{name} ({path or 'a folder'}) would lie flat as {flat} and hide {hidden};"

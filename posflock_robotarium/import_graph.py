@@ -25,8 +25,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from posflock_robotarium import testbed
 from posflock_robotarium.errors import PosflockError
+from rps_compat.scripts import libraries
 
 _COMPARISONS: dict[type[ast.cmpop], Callable[[Any, Any], bool]] = {
     ast.Lt: operator.lt,
@@ -215,10 +215,10 @@ def trace(script: Path, search: Sequence[Path] = ()) -> Trace:
     while queue:
         path, package = queue.pop(0)
         for statement in imports(parse(path), package):
-            if testbed.is_available(statement.top) and not _beside(statement.top, folders[0]):
+            if libraries.is_available(statement.top) and not _beside(statement.top, folders[0]):
                 found.libraries.add(statement.top)
                 continue
-            if statement.top == testbed.STAND_IN:
+            if statement.top == libraries.STAND_IN:
                 if not statement.guarded and statement.module not in refused:
                     refused.add(statement.module)
                     found.missing.append(Missing(statement, path, installed_here=True))
@@ -310,7 +310,7 @@ def _absent_library(tree: ast.Module, folders: Sequence[Path]) -> str | None:
     """Return what a module imports that neither the testbed has nor a local file brings."""
     for statement in imports(tree):
         top = statement.top
-        if statement.relative or statement.guarded or testbed.is_available(top):
+        if statement.relative or statement.guarded or libraries.is_available(top):
             continue
         if top not in _OURS and not any(_files(statement, folders)):
             return top
@@ -319,7 +319,7 @@ def _absent_library(tree: ast.Module, folders: Sequence[Path]) -> str | None:
 
 def _always_there(body: Sequence[ast.stmt], package: str) -> bool:
     """Whether all that a ``try`` imports is on the testbed, so that its handlers never run."""
-    return all(testbed.is_available(statement.top) for statement in _walk(body, package))
+    return all(libraries.is_available(statement.top) for statement in _walk(body, package))
 
 
 def _catches_import_error(handler: ast.ExceptHandler) -> bool:
@@ -353,7 +353,7 @@ def _branch(test: ast.expr) -> bool | None:
         return None
     try:
         asked = ast.literal_eval(test.comparators[0])
-        version = testbed.PYTHON if "[" in ast.unparse(test.left) else (*testbed.PYTHON, 99)
+        version = libraries.PYTHON if "[" in ast.unparse(test.left) else (*libraries.PYTHON, 99)
         return _COMPARISONS[type(test.ops[0])](version, asked)
     except (ValueError, TypeError, KeyError):
         return None
@@ -372,7 +372,7 @@ def _beside(top: str, folder: Path) -> bool:
 
     A package ``rps`` beside the script is a copy of the simulator, which stays here.
     """
-    is_package = (folder / top / "__init__.py").is_file() and top != testbed.SIMULATOR
+    is_package = (folder / top / "__init__.py").is_file() and top != libraries.SIMULATOR
     return is_package or (folder / f"{top}.py").is_file()
 
 

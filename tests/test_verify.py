@@ -13,7 +13,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from posflock_robotarium import testbed
 from posflock_robotarium.errors import ParameterError
 from posflock_robotarium.import_graph import ScriptError
 from posflock_robotarium.verify import Report, ablate, verify
@@ -26,6 +25,7 @@ from posflock_robotarium.verify.findings import (
 )
 from posflock_robotarium.verify.pages import html, write_report
 from posflock_robotarium.verify.trials import Limits, Nursery
+from rps_compat.scripts import libraries
 
 ZOO = Path(__file__).parent / "zoo"
 FAULTY = sorted((ZOO / "faulty").glob("*.py"))
@@ -158,7 +158,7 @@ def test_a_fault_of_a_local_module_is_told_with_its_file(tmp_path, nursery, faul
 def test_a_library_that_only_this_machine_lacks_is_no_fault_of_the_script(
     tmp_path, nursery, monkeypatch
 ):
-    monkeypatch.setitem(testbed.IMPORT_NAMES, "a_library_there", "a-library-there")
+    monkeypatch.setitem(libraries.IMPORT_NAMES, "a_library_there", "a-library-there")
     script = tmp_path / "main.py"
     script.write_text("import a_library_there\nfrom rps.robotarium import Robotarium\n")
     (finding,) = verify(script, trials=0, limits=LIMITS, nursery=nursery).findings

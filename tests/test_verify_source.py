@@ -5,11 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from posflock_robotarium import import_graph, testbed
+from posflock_robotarium import import_graph
 from posflock_robotarium.verify.constants import constants_of
 from posflock_robotarium.verify.generations import generation_of
 from posflock_robotarium.verify.newer_python import newer_syntax
 from posflock_robotarium.verify.static import check_source
+from rps_compat.scripts import libraries
 
 
 def codes(tmp_path, text, generation=2, name="main_script.py"):
@@ -211,11 +212,11 @@ def test_a_package_may_offer_what_the_testbed_lacks(tmp_path):
 
 
 def test_the_testbeds_list_is_consistent():
-    assert set(testbed.IMPORT_NAMES.values()) == set(testbed.LIBRARIES)
-    assert not set(testbed.ABSENT) & set(testbed.IMPORT_NAMES)
-    assert testbed.shadowed_by("numpy")
-    assert testbed.shadowed_by("random")
-    assert testbed.shadowed_by("my_helper") is None
+    assert set(libraries.IMPORT_NAMES.values()) == set(libraries.LIBRARIES)
+    assert not set(libraries.ABSENT) & set(libraries.IMPORT_NAMES)
+    assert libraries.shadowed_by("numpy")
+    assert libraries.shadowed_by("random")
+    assert libraries.shadowed_by("my_helper") is None
 
 
 def test_the_experiment_has_nothing_to_mend():

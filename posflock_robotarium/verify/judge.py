@@ -20,6 +20,7 @@ from posflock_robotarium.verify.findings import (
 )
 from posflock_robotarium.verify.trial import Outcome
 from posflock_robotarium.verify.trials import Ran
+from rps_compat.scripts import libraries
 
 #: Share of the steps that may take longer than 33 ms.
 _LATE = 0.1
@@ -155,8 +156,8 @@ def _ending(
     if "WrongGenerationError" in kinds:
         return Finding("generation", verdict, what, "use the name it gives", **settings)
     module = error.get("module") or "."
-    if testbed.is_available(module):  # that is, only this machine lacks it
-        distribution = testbed.IMPORT_NAMES.get(module)
+    if libraries.is_available(module):  # that is, only this machine lacks it
+        distribution = libraries.IMPORT_NAMES.get(module)
         return Finding(
             "internal",
             Verdict.RISK,

@@ -17,7 +17,8 @@ import token
 import tokenize
 from collections.abc import Iterator
 
-from posflock_robotarium import import_graph, testbed
+from posflock_robotarium import import_graph
+from rps_compat.scripts import libraries
 
 #: Names of the standard library that came after 3.10.
 NEWER_NAMES = {
@@ -118,7 +119,7 @@ def newer_syntax(source: str) -> tuple[int, str] | None:
     `source` must be valid for the Python that runs this.
     """
     try:
-        tree = ast.parse(source, feature_version=testbed.PYTHON)
+        tree = ast.parse(source, feature_version=libraries.PYTHON)
     except SyntaxError as error:
         groups = [n for n in ast.walk(ast.parse(source)) if type(n).__name__ == "TryStar"]
         if "xception group" in error.msg and groups:  # Python names a line after it
@@ -138,7 +139,7 @@ def newer_library(tree: ast.Module) -> Iterator[tuple[int, str]]:
             for alias in node.names:
                 modules[alias.asname or alias.name] = alias.name
     for statement in import_graph.imports(tree):
-        if statement.top in testbed.NEWER_MODULES and not statement.guarded:
+        if statement.top in libraries.NEWER_MODULES and not statement.guarded:
             yield statement.line, f"the module {statement.top}"
     for node in import_graph.run_on_the_testbed(tree):
         if isinstance(node, ast.ImportFrom) and not node.level:
@@ -219,8 +220,8 @@ def _asked_of_310(source: str) -> tuple[int, str] | None:
     """Ask a Python 3.10 on this machine to compile `source`, where there is one."""
     from posflock_robotarium.interpreters import find_python
 
-    python = find_python(testbed.PYTHON)
-    if python is None or sys.version_info[:2] == testbed.PYTHON:
+    python = find_python(libraries.PYTHON)
+    if python is None or sys.version_info[:2] == libraries.PYTHON:
         return None
     program = (
         "import sys\n"

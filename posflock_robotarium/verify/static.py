@@ -20,6 +20,7 @@ from posflock_robotarium.verify.files import check_files
 from posflock_robotarium.verify.findings import Finding, Verdict, too_many_robots
 from posflock_robotarium.verify.saving import check_saving
 from posflock_robotarium.verify.source import Source
+from rps_compat.scripts import libraries
 
 _OLDER_WAY = "the testbed runs Python 3.10; write it the older way"
 _FINISHING = ("debug", "call_at_scripts_end")
@@ -97,7 +98,7 @@ def check_python(source: Source) -> Iterator[Finding]:
         yield Finding(
             "removed-from-numpy",
             Verdict.FAIL,
-            f"numpy.{name} is gone from numpy {testbed.LIBRARIES['numpy']}",
+            f"numpy.{name} is gone from numpy {libraries.LIBRARIES['numpy']}",
             f"write {instead}",
             line=line,
         )
@@ -111,11 +112,11 @@ def check_imports(source: Source) -> Iterator[Finding]:
         yield Finding("syntax", Verdict.FAIL, str(error), "mend the imported file")
         return
     for missing in trace.missing:
-        if missing.statement.top in testbed.NEWER_MODULES:
+        if missing.statement.top in libraries.NEWER_MODULES:
             continue  # told of as newer than Python 3.10
         yield _missing(source, missing)
     for local in trace.locals:
-        hidden = testbed.shadowed_by(local.name) if "." not in local.name else None
+        hidden = libraries.shadowed_by(local.name) if "." not in local.name else None
         if hidden and not local.is_package:
             yield Finding(
                 "shadowed-name",
@@ -125,9 +126,9 @@ def check_imports(source: Source) -> Iterator[Finding]:
                 line=local.line,
                 file=_file(source, local.wanted_by),
             )
-    newer = testbed.NEWER_MODULES  # this Python's own are no files of the user's
+    newer = libraries.NEWER_MODULES  # this Python's own are no files of the user's
     wanted = [local for local in trace.locals if local.name.partition(".")[0] not in newer]
-    if wanted and not any(testbed.shadowed_by(local.name) for local in wanted):
+    if wanted and not any(libraries.shadowed_by(local.name) for local in wanted):
         first = wanted[0]
         names = sorted({local.name.partition(".")[0] for local in wanted})
         yield Finding(
@@ -143,7 +144,7 @@ def check_imports(source: Source) -> Iterator[Finding]:
 def _missing(source: Source, missing: import_graph.Missing) -> Finding:
     statement = missing.statement
     place: dict[str, Any] = {"line": statement.line, "file": _file(source, missing.wanted_by)}
-    if statement.top == testbed.STAND_IN:
+    if statement.top == libraries.STAND_IN:
         return Finding(
             "stand-in",
             Verdict.FAIL,
@@ -160,12 +161,12 @@ def _missing(source: Source, missing: import_graph.Missing) -> Finding:
             "import it by its plain name",
             **place,
         )
-    if statement.top in testbed.ABSENT:
+    if statement.top in libraries.ABSENT:
         return Finding(
             "library-absent",
             Verdict.FAIL,
             f"the testbed has no {statement.top}",
-            testbed.ABSENT[statement.top],
+            libraries.ABSENT[statement.top],
             **place,
         )
     if missing.installed_here:
