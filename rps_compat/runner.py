@@ -23,13 +23,16 @@ from typing import Any, Literal, Protocol
 import numpy as np
 
 from rps_compat.arena import Arena, Array, Realism
+from rps_compat.bridges import dropped_names, one_element_conversions
 from rps_compat.clock import SimulatedClock
 from rps_compat.errors import RobotariumError, ScriptError
 from rps_compat.film import Film
-from rps_compat.generations import Evidence, evidence_in
 from rps_compat.install import Api, install, installed, uninstall
-from rps_compat.old_numpy import old_numpy_names
+from rps_compat.repeatable import repeatable
 from rps_compat.report import RunReport, report_on
+from rps_compat.scripts.changes import Kind
+from rps_compat.scripts.deaths import hint
+from rps_compat.scripts.evidence import Evidence, evidence_in
 from rps_compat.session import Initial, Session
 from rps_compat.surroundings import (
     OutOfTime,
@@ -39,12 +42,11 @@ from rps_compat.surroundings import (
     headless_matplotlib,
     time_limit,
 )
+from rps_compat.terminal import showable_output
 
 Ended = Literal["finished", "failed", "interrupted", "timeout"]
 #: Exit codes of a run that the script does not end itself, as shells have them.
 EXIT_CODES: dict[Ended, int] = {"finished": 0, "failed": 1, "interrupted": 130, "timeout": 124}
-#: Names of the other generation beyond this many are counted only.
-TOLD = 5
 
 
 class SettingsError(RobotariumError, ValueError):
@@ -210,36 +212,19 @@ def run_script(
     Raises
     ------
     ScriptError
-        The script is not there, is not Python, or the output folder cannot be written.
+        The script is not there, or the output folder cannot be written.
+    UnreadableError
+        The script is not Python.
     """
     settings = settings or RunSettings()
     script = Path(script).resolve()
-    try:
-        evidence = evidence_in(script)
-    except OSError as error:
-        raise ScriptError(f"{script}: {error.strerror or error}") from error
-    except (SyntaxError, ValueError) as error:
-        raise ScriptError(f"{script} is not a Python script: {error}") from error
+    evidence = evidence_in(script)
     api = settings.api or evidence.generation
-    notes = _generation_notes(evidence, api, settings.api is None)
+    notes = evidence.notes(api, found=settings.api is None)
     if settings.tell is not None:
         for note in notes:
             settings.tell(note)
-    return _Run(script, list(arguments), api, settings, notes).result()
-
-
-def _generation_notes(evidence: Evidence, api: Api, found: bool) -> list[str]:
-    """Note what of the script `api` does not know, and whether `api` was but assumed."""
-    wrong = evidence.against(api)
-    notes = wrong[:TOLD]
-    if len(wrong) > TOLD:
-        notes.append(f"and {len(wrong) - TOLD} more names of generation {3 - api}")
-    if found and evidence.nothing:
-        notes.append(
-            f"nothing in the script tells its generation: running as generation {api}; "
-            f"--api {3 - api} runs it as generation {3 - api}"
-        )
-    return notes
+    return _Run(script, list(arguments), api, settings, notes, evidence).result()
 
 
 class _Watch:
@@ -268,6 +253,7 @@ class _Run:
     api: Api
     settings: RunSettings
     notes: list[str]
+    evidence: Evidence
     clock: SimulatedClock = field(default_factory=SimulatedClock)
     watches: list[_Watch] = field(default_factory=list)
     logs: list[Path] = field(default_factory=list)
@@ -295,7 +281,10 @@ class _Run:
         with contextlib.ExitStack() as around:
             around.enter_context(self._process_state())
             around.enter_context(session.active())
-            around.enter_context(old_numpy_names())
+            around.enter_context(showable_output())
+            around.enter_context(repeatable(settings.seed))
+            around.enter_context(dropped_names(Kind.GONE, Kind.LATER))
+            around.enter_context(one_element_conversions())
             if self.headless:
                 around.enter_context(self.clock.in_force())
                 around.enter_context(headless_matplotlib())
@@ -359,6 +348,10 @@ class _Run:
             return "interrupted", "KeyboardInterrupt", EXIT_CODES["interrupted"]
         except BaseException as error:
             _print_traceback(error, self.script)
+            advice = hint(error, self.evidence, self.api)
+            if advice:
+                print(advice, file=sys.stderr)
+                self.notes.append(advice)
             return "failed", f"{type(error).__name__}: {error}", EXIT_CODES["failed"]
         return "finished", "", 0
 

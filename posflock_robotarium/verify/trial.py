@@ -257,6 +257,7 @@ def _run(plan: TrialPlan, outcome: Outcome, pulse: mmap.mmap, deeds: int) -> Non
     import rps_compat
     from rps_compat.profiles import profile_from_dict
     from rps_compat.realism import Imperfections
+    from rps_compat.repeatable import repeatable
     from rps_compat.session import Session
 
     clock = Clock()
@@ -283,7 +284,8 @@ def _run(plan: TrialPlan, outcome: Outcome, pulse: mmap.mmap, deeds: int) -> Non
     guard.install()
     builtins.input = guard.answer
     _listen(watch, plan.generation)
-    _run_guarded(plan, outcome, session, clock, watch, scratch)
+    with repeatable(plan.seed):
+        _run_guarded(plan, outcome, session, clock, watch, scratch)
     _describe(outcome, watch, plan)
 
 
@@ -292,8 +294,13 @@ def _run_guarded(
 ) -> None:
     import atexit
 
+    from rps_compat.bridges import dropped_names, one_element_conversions
+    from rps_compat.scripts.changes import Kind
+
+    # What the testbed's libraries have and newer ones dropped is there, as it is on the testbed.
+    as_there = dropped_names(Kind.LATER), one_element_conversions()
     try:
-        with session.active(), clock.installed():
+        with session.active(), clock.installed(), as_there[0], as_there[1]:
             try:
                 runpy.run_path(os.path.join(scratch, plan.script), run_name="__main__")
             finally:
