@@ -180,7 +180,7 @@ def _warnings(script: Path, found: import_graph.Trace) -> Iterator[str]:
             name = use.module.script.path.name
             if use.stops(2) and not use.follows and (name, use.what) not in told:
                 told.add((name, use.what))
-                yield f"{name}, line {use.line}: {use.what}; {use.remedy(2)}".rstrip("; ")
+                yield f"{name}, line {use.line}: {use.what}; {use.remedy(2)}"
 
 
 def _flat_modules(script: Path, found: import_graph.Trace) -> dict[str, bytes]:

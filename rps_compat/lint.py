@@ -88,7 +88,7 @@ def findings_of(script: Script) -> list[Finding]:
     for use in uses:
         its = (*edits.get(use, ()), *porting.edits_at.get(use.node, ()))
         file = use.module.script.path.name if use.module.name else ""
-        message = f"{use.what}; {use.remedy(TARGET)}".rstrip("; ")
+        message = f"{use.what}; {use.remedy(TARGET)}"
         found.append(Finding(use.line, _kind_of(use), message, its, file))
     found += [Finding(p.line, p.kind, p.message, p.edits) for p in ported]
     return _merged(found)

@@ -80,10 +80,13 @@ class Change:
 
     @property
     def remedy(self) -> str:
-        """What to do about it, in words; "" where there is nothing like it."""
-        if not self.code:
-            return self.advice
-        return f"write {self.written(self.path.rpartition('.')[0])}"
+        """What to do about it, in words."""
+        if self.code:
+            return f"write {self.written(self.path.rpartition('.')[0])}"
+        if self.kind is Kind.NEWER:
+            top = self.library.partition(" ")[0]
+            return f"it came with {top} {self.since}: write it the older way"
+        return self.advice or "there is nothing like it"
 
     def written(self, module: str) -> str:
         """Return the code with `module` for the module that the name is asked of."""

@@ -113,12 +113,12 @@ class Use:
         return self.entry.what
 
     def remedy(self, generation: int) -> str:
-        """Return what to do about it, in words; "" where there is nothing like it."""
+        """Return what to do about it, in words."""
         if isinstance(self.entry, ApiName):
             return self.entry.remedy(generation)
         if isinstance(self.entry, Absent):
             return self.entry.advice
-        if isinstance(self.entry, NewerSyntax) or self.entry.is_pythons_newer:
+        if isinstance(self.entry, NewerSyntax):
             return OLDER_WAY
         return self.entry.remedy
 
