@@ -28,7 +28,7 @@ from typing import Any
 from posflock_robotarium import import_graph, testbed
 from posflock_robotarium.bundle import check_manifest, main_file
 from posflock_robotarium.errors import OutputError, ParameterError, PosflockError
-from rps_compat.scripts.interpreters import installed_pythons
+from posflock_robotarium.interpreters import installed_pythons
 from rps_compat.scripts.libraries import IMPORT_NAMES, LIBRARIES, PYTHON
 
 #: Always installed; heavier ones only where the bundle imports them.

@@ -8,14 +8,16 @@ argument out, the older default is written into the call, so that it does what i
 from __future__ import annotations
 
 import ast
+import importlib
 import inspect
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, Literal
 
 from rps_compat.scripts.api import renamed_parameters
 from rps_compat.scripts.edits import Edit, Text
-from rps_compat.scripts.exports import parameters
+from rps_compat.scripts.faces import API_MODULES, has, parameters
 from rps_compat.scripts.generation_names import (
     CONSTRUCTOR,
     FIRST_OF_TWO,
@@ -210,7 +212,7 @@ class Porting:
 
     def _utility(self, call: ast.Call, name: str) -> Iterator[Ported]:
         new = FUNCTIONS.get(name, name)
-        fresh = parameters(new, 2) if new else {}
+        fresh = _signature(new, 2) if new else {}
         if new is None or not fresh:
             return
         if name in FIRST_OF_TWO:
@@ -226,7 +228,7 @@ class Porting:
     def _arguments(
         self, call: ast.Call, name: str, new: str, fresh: dict[str, Any]
     ) -> Iterator[Ported]:
-        old = parameters(name, 1)
+        old = _signature(name, 1)
         renamed = renamed_parameters(name, 2)
         counted = name in OLD_COUNTED and self._older
         positional = call.args[1:] if counted else call.args
@@ -268,6 +270,17 @@ class Porting:
             self._mends((edit,), *call.args, *(keyword.value for keyword in call.keywords))
             message = f"arguments of {new} in generation 2: {', '.join(kept) or 'none'}"
             yield Ported(call.lineno, "argument", message, (edit,))
+
+
+@cache
+def _signature(function: str, generation: int) -> dict[str, Any]:
+    """Return the parameters of a function of the API and their defaults, in order."""
+    home = next((m for m in API_MODULES if has(m, function, generation)), None)
+    if home is None:
+        return {}
+    module = importlib.import_module(f"rps_compat.v{generation}{home.removeprefix('rps')}")
+    signature = inspect.signature(getattr(module, function))
+    return {p.name: p.default for p in signature.parameters.values()}
 
 
 def _inner_first(tree: ast.AST) -> Iterator[ast.Call]:

@@ -22,7 +22,7 @@ from posflock_robotarium.bundle import (
     main_file,
 )
 from posflock_robotarium.errors import OutputError
-from rps_compat.scripts.interpreters import installed_pythons
+from posflock_robotarium.interpreters import installed_pythons
 
 EXPERIMENT = Path(__file__).parents[1] / "experiments" / "robotarium_9bot.py"
 

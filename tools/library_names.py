@@ -18,9 +18,9 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+from posflock_robotarium.interpreters import find_python
 from rps_compat.scripts import library_names, numpy_names, python_names
 from rps_compat.scripts.changes import CHANGES, change_of
-from rps_compat.scripts.interpreters import find_python
 from rps_compat.scripts.libraries import LIBRARIES, NEWER_MODULES, PYTHON, STANDARD_LIBRARY
 
 GOLDEN = Path(__file__).parents[1] / "tests" / "golden" / "library_names.json"
@@ -75,7 +75,7 @@ _BY_ACCIDENT = frozenset(
     "absolute_import division print_function unicode_literals Bytes0 Datetime64 Str0 Uint64"  # noqa: SIM905
     " importlib.metadata.Deprecated importlib.metadata.DeprecatedList"
     " importlib.metadata.DeprecatedNonAbstract importlib.metadata.DeprecatedTuple"
-    " importlib.metadata.always_iterable importlib.simple asyncio.compat asyncio.taskgroups"
+    " importlib.metadata.always_iterable importlib.simple asyncio.async asyncio.compat asyncio.taskgroups"
     " asyncio.test_utils asyncio.timeouts base64.test code.Quitter dbm.sqlite3 email.feedparser"
     " email.parser enum.bin enum.pickle_by_enum_name enum.pickle_by_global_name"
     " enum.global_enum_repr enum.global_flag_repr io.OpenWrapper keyword.main"

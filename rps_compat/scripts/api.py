@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import enum
-import inspect
 from dataclasses import dataclass
 
-from rps_compat.scripts.exports import API_MODULES, api_module, handed_on, parameters, star_names
+from rps_compat.scripts.exports import handed_on
+from rps_compat.scripts.faces import API_MODULES, face, has, parameters
 from rps_compat.scripts.generation_names import (
     ATTRIBUTES,
     CONSTRUCTOR,
@@ -128,8 +128,8 @@ def renamed_parameters(function: str, generation: int) -> dict[str, str]:
     old, fresh = parameters(function, 3 - generation), parameters(new, generation)
     found = {
         name: target
-        for (name, default), target in zip(old.items(), fresh, strict=False)
-        if default is inspect.Parameter.empty and name not in fresh and target not in old
+        for (name, required), target in zip(old.items(), fresh, strict=False)
+        if required and name not in fresh and target not in old
     }
     return found | (RENAMED_PARAMETERS.get(new, {}) if generation == 2 else {})
 
@@ -148,9 +148,15 @@ def import_of(name: str, generation: int) -> str:
     return f"import {home} as {name}"
 
 
+def brings(module: str, name: str, generation: int) -> bool:
+    """Return whether the star of a module of the API brings a name in `generation`."""
+    found = face(module, generation)
+    return found is not None and name in found.star
+
+
 def module_of_api(path: str) -> ApiName:
     """Return what is known of a module of the API by its dotted path."""
-    there = frozenset(g for g in BOTH if api_module(path, g) is not None)
+    there = frozenset(g for g in BOTH if face(path, g) is not None)
     return ApiName(path, Role.MODULE, there)
 
 
@@ -174,7 +180,7 @@ def member_of_api(module: str, name: str) -> ApiName:
 
 def starred_of_api(modules: list[str], name: str) -> ApiName:
     """Return what is known of a name that a star of one of `modules` of the API brings."""
-    there = {g for g in BOTH if any(name in star_names(module, g) for module in modules)}
+    there = {g for g in BOTH if any(brings(module, name, g) for module in modules)}
     if name in OLD_FUNCTIONS and not there:
         there.add(0)
     is_function = name in FUNCTIONS or name in NEW_FUNCTIONS or name in OLD_FUNCTIONS
@@ -202,11 +208,3 @@ def constructor_argument(name: str) -> ApiName | None:
     if not generations or generations == BOTH:
         return None
     return ApiName(name, Role.ARGUMENT, frozenset(generations), of="Robotarium")
-
-
-def has(module: str, name: str, generation: int) -> bool:
-    """Return whether a module of the API has a name, or a module, in `generation`."""
-    found = api_module(module, generation)
-    if found is None:
-        return False
-    return hasattr(found, name) or api_module(f"{module}.{name}", generation) is not None

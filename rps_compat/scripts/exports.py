@@ -1,18 +1,15 @@
 """What modules hand on: the API's own, generation by generation, and the libraries scripts use.
 
 Scripts live on ``from rps.utilities.misc import *``, which brings ``np`` and in generation 1
-``plt`` along. What a module of the API has, and what its star brings, is read off
-:mod:`rps_compat.v1` and :mod:`rps_compat.v2`, which have every published name.
+``plt`` along.
 """
 
 from __future__ import annotations
 
-import importlib.util
-import inspect
-import sys
+import importlib
 from functools import cache
-from types import ModuleType
 
+from rps_compat.scripts.faces import face
 from rps_compat.scripts.generation_names import OLD_FUNCTIONS, ROBOTARIUM
 from rps_compat.scripts.libraries import IMPORT_NAMES, STANDARD_LIBRARY
 
@@ -76,86 +73,17 @@ def canonical(path: str) -> str:
     return path
 
 
-def api_module(path: str, generation: int) -> ModuleType | None:
-    """Return the module of the API that is imported as `path`, or None if there is none."""
-    if path != "rps" and not path.startswith("rps."):
-        return None
-    name = f"rps_compat.v{generation}{path.removeprefix('rps')}"
-    if name not in sys.modules and not _exists(name):
-        return None
-    return importlib.import_module(name)
-
-
-@cache
-def _exists(name: str) -> bool:
-    try:
-        return importlib.util.find_spec(name) is not None
-    except ModuleNotFoundError:  # of a module within what is no package
-        return False
-
-
-@cache
-def star_names(path: str, generation: int) -> frozenset[str]:
-    """Return what ``from path import *`` brings in `generation`; empty without such a module."""
-    module = api_module(path, generation)
-    if module is None:
-        return frozenset()
-    listed = getattr(module, "__all__", None)
-    return frozenset(listed or (name for name in vars(module) if not name.startswith("_")))
-
-
-@cache
-def parameters(function: str, generation: int) -> dict[str, object]:
-    """Return the parameters of a function of the API and their defaults, in order.
-
-    Parameters
-    ----------
-    function : str
-        Its bare name.
-    generation : int
-        1 or 2.
-
-    Returns
-    -------
-    dict
-        Empty where the generation has no such function.
-    """
-    for module in API_MODULES:
-        found = getattr(api_module(module, generation), function, None)
-        if inspect.isfunction(found):
-            signature = inspect.signature(found)
-            return {p.name: p.default for p in signature.parameters.values()}
-    return {}
-
-
-#: Modules of the API that have functions for scripts.
-API_MODULES = tuple(
-    f"rps.utilities.{name}"
-    for name in (
-        "barrier_certificates",
-        "barrier_certificates2",
-        "controllers",
-        "graph",
-        "misc",
-        "sensors",
-        "transformations",
-    )
-)
-
-
 def exports(path: str, name: str) -> bool | None:
     """Return whether ``from path import *`` brings `name`; None where that cannot be known.
 
     Of the API whether it does in any generation.
     """
     if path == "rps" or path.startswith("rps."):
-        found = [star_names(path, generation) for generation in (1, 2)]
+        faces = [found for generation in (1, 2) if (found := face(path, generation))]
         old = OLD_FUNCTIONS.get(name)
         if old is not None and path.endswith(f".{old[0]}"):
             return True
-        if not any(found):
-            return None
-        return any(name in names for names in found)
+        return any(name in found.star for found in faces) if faces else None
     from rps_compat.scripts.changes import change_of
 
     if change_of(canonical(f"{path}.{name}")) is not None:

@@ -95,7 +95,6 @@ NEWER_MODULES = {"wsgiref.types": "3.11", "string.templatelib": "3.14"}
 _ABC = "write collections.abc."
 #: Gone by 3.10: module → name → what to write, as in :mod:`~rps_compat.scripts.numpy_names`.
 GONE = {
-    "asyncio": {"async": "write asyncio.ensure_future(…)"},
     "base64": {"decodestring": ".decodebytes", "encodestring": ".encodebytes"},
     "calendar": {"monthlen": "write calendar.monthrange(…)[1]", "nextmonth": "", "prevmonth": ""},
     "cgi": {

@@ -5,10 +5,10 @@ from __future__ import annotations
 import ast
 import re
 
-from rps_compat.scripts.api import ApiName, Role, has, import_of
+from rps_compat.scripts.api import ApiName, Role, brings, import_of
 from rps_compat.scripts.changes import Change
 from rps_compat.scripts.edits import Edit, Text
-from rps_compat.scripts.exports import star_names
+from rps_compat.scripts.faces import has
 from rps_compat.scripts.generation_names import (
     FIRST_OF_TWO,
     MADE_FIRST,
@@ -88,7 +88,7 @@ class Renaming:
     def brought(self, name: str) -> tuple[Edit, ...]:
         """Return the import of a function that no star of the script brings; none if one does."""
         stars = self._program.main.stars
-        if any(name in star_names(star, self._generation) for star in stars):
+        if any(brings(star, name, self._generation) for star in stars):
             return ()
         return self._imported(import_of(name, self._generation))
 

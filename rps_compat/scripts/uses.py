@@ -16,7 +16,8 @@ from typing import TypeAlias
 from rps_compat.scripts import api
 from rps_compat.scripts.api import ApiName, Role
 from rps_compat.scripts.changes import Change, Kind, change_of
-from rps_compat.scripts.exports import canonical, parameters
+from rps_compat.scripts.exports import canonical
+from rps_compat.scripts.faces import parameters
 from rps_compat.scripts.generation_names import OLD_COUNTED, ROBOTARIUM, UNMISTAKABLE, counterpart
 from rps_compat.scripts.guards import Guards
 from rps_compat.scripts.libraries import ABSENT, is_available
