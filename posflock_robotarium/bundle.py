@@ -28,9 +28,11 @@ from posflock_robotarium import import_graph, testbed
 from posflock_robotarium.errors import OutputError, PosflockError
 from posflock_robotarium.verify.files import files_read
 from posflock_robotarium.verify.findings import count
-from posflock_robotarium.verify.generations import wrong_names
 from posflock_robotarium.verify.source import Source
 from rps_compat.scripts import libraries
+from rps_compat.scripts.program import read_program
+from rps_compat.scripts.source import read_script
+from rps_compat.scripts.uses import uses_in
 
 MANIFEST, INSTRUCTIONS = "MANIFEST", "SUBMIT.md"
 
@@ -164,20 +166,21 @@ def _require_complete(found: import_graph.Trace) -> None:
 
 
 def _warnings(script: Path, found: import_graph.Trace) -> Iterator[str]:
-    """Yield what the uploaded files lack to run on the testbed, which has generation 2."""
+    """Yield what stops the uploaded files on the testbed, which runs generation 2 of the API."""
     if libraries.SIMULATOR not in found.libraries:
         yield f"{script.name} never imports {libraries.SIMULATOR}: no robot would move"
     theirs = [local.path for local in found.locals if not import_graph.is_ours(local.name)]
-    for path in [script, *theirs]:
-        told = set()
-        for line, name, right in wrong_names(import_graph.parse(path), 2):
-            if name not in told:
-                told.add(name)
-                yield (
-                    f"{path.name}, line {line}: {name} is a name of generation 1, and the testbed"
-                    " runs generation 2: "
-                    + (f"write {right}" if right else "there is no such thing")
-                )
+    seen, told = set(), set()
+    for path in [script.resolve(), *theirs]:
+        if path in seen:  # with what imports it
+            continue
+        program = read_program(path)
+        seen |= {module.script.path for module in program.modules}
+        for use in uses_in(program):
+            name = use.module.script.path.name
+            if use.stops(2) and not use.follows and (name, use.what) not in told:
+                told.add((name, use.what))
+                yield f"{name}, line {use.line}: {use.what}; {use.remedy(2)}"
 
 
 def _flat_modules(script: Path, found: import_graph.Trace) -> dict[str, bytes]:
@@ -245,8 +248,7 @@ def _data(script: Path, found: import_graph.Trace, search: Sequence[Path]) -> li
     sources = [script] + [local.path for local in found.locals if "." not in local.name]
     out = []
     for path in sources:
-        text = import_graph.read_source(path)
-        source = Source(path, text, ast.parse(text), search=tuple(search))
+        source = Source(read_script(path), search=tuple(search))
         for call, name in files_read(source):
             if Path(name).is_absolute() or len(Path(name).parts) > 1:
                 raise BundleError(
@@ -255,7 +257,7 @@ def _data(script: Path, found: import_graph.Trace, search: Sequence[Path]) -> li
                 )
             if (home / name).is_file():
                 out.append(home / name)
-            elif not _is_written(text, name):
+            elif not _is_written(source.script.text, name):
                 raise BundleError(
                     f"{path.name}, line {call.lineno}: reads {name}, which is not beside the script"
                 )

@@ -27,6 +27,7 @@ from typing import Literal, NoReturn
 from rps_compat.clock import Stuck, real
 from rps_compat.errors import ScriptError
 from rps_compat.last_resort import last_resort
+from rps_compat.own_imports.whose import environments_module
 
 Ended = Literal["finished", "failed", "interrupted", "timeout", "stuck", "idle"]
 #: Exit codes of a run that the script does not end itself, the first four as shells have them.
@@ -132,8 +133,8 @@ def wait_for_threads(before: set[threading.Thread]) -> None:
     """Wait for the threads that a script leaves, as Python does at its end."""
     pools = (("concurrent.futures.thread", "_shutdown", _dismiss_threads),
              ("concurrent.futures.process", "_global_shutdown", _dismiss_processes))  # fmt: skip
-    known = [(sys.modules[name], flag, dismiss) for name, flag, dismiss in pools
-             if name in sys.modules]  # fmt: skip
+    known = [(module, flag, dismiss) for name, flag, dismiss in pools
+             if (module := environments_module(name)) is not None]  # fmt: skip
     try:
         for module, flag, dismiss in known:
             setattr(module, flag, True)
@@ -237,7 +238,7 @@ def leave(exit_code: int, before: set[threading.Thread]) -> None:
     before
         The threads that are not the script's.
     """
-    multiprocessing = sys.modules.get("multiprocessing")
+    multiprocessing = environments_module("multiprocessing")
     children = [] if multiprocessing is None else multiprocessing.active_children()
     if children or lasting_threads(before):
         for child in children:

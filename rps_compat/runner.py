@@ -10,29 +10,31 @@ Ctrl-C or by the time limit, the log is closed and a report written (see `rps_co
 import contextlib
 import json
 import runpy
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from rps_compat.bridges import dropped_names, one_element_conversions
 from rps_compat.children.family import Family
 from rps_compat.children.plan import Plan, hand_on
 from rps_compat.clock import SimulatedClock
 from rps_compat.ending import LOGGED, End, TimeLimit, end_of
 from rps_compat.errors import ScriptError
 from rps_compat.film import Film
-from rps_compat.generations import Evidence, evidence_in
 from rps_compat.install import Api
-from rps_compat.old_numpy import old_numpy_names
 from rps_compat.process_state import hiding_notes, process_state
 from rps_compat.recording import Recording
+from rps_compat.repeatable import repeatable
 from rps_compat.report import TESTBED_SECONDS, RunReport
 from rps_compat.run_result import RunResult
 from rps_compat.run_settings import RunSettings
+from rps_compat.scripts.changes import Kind
+from rps_compat.scripts.deaths import hint
+from rps_compat.scripts.evidence import Evidence, evidence_in
 from rps_compat.session import Session
 from rps_compat.surroundings import answering, has_display, headless_matplotlib
-
-#: Names of the other generation beyond this many are counted only.
-TOLD = 5
+from rps_compat.terminal import showable_output
 
 
 def run_script(
@@ -48,36 +50,19 @@ def run_script(
     Raises
     ------
     ScriptError
-        The script is not there, is not Python, or the output folder cannot be written.
+        The script is not there, or the output folder cannot be written.
+    UnreadableError
+        The script is not Python.
     """
     settings = settings or RunSettings()
     script = Path(script).resolve()
-    try:
-        evidence = evidence_in(script)
-    except OSError as error:
-        raise ScriptError(f"{script}: {error.strerror or error}") from error
-    except (SyntaxError, ValueError) as error:
-        raise ScriptError(f"{script} is not a Python script: {error}") from error
+    evidence = evidence_in(script)
     api = settings.api or evidence.generation
-    notes = _generation_notes(evidence, api, settings.api is None)
+    notes = evidence.notes(api, found=settings.api is None)
     if settings.tell is not None:
         for note in notes:
             settings.tell(note)
-    return _Run(script, list(arguments), api, settings, notes).result()
-
-
-def _generation_notes(evidence: Evidence, api: Api, found: bool) -> list[str]:
-    """Note what of the script `api` does not know, and whether `api` was but assumed."""
-    wrong = evidence.against(api)
-    notes = wrong[:TOLD]
-    if len(wrong) > TOLD:
-        notes.append(f"and {len(wrong) - TOLD} more names of generation {3 - api}")
-    if found and evidence.nothing:
-        notes.append(
-            f"nothing in the script tells its generation: running as generation {api}; "
-            f"--api {3 - api} runs it as generation {3 - api}"
-        )
-    return notes
+    return _Run(script, list(arguments), api, settings, notes, evidence).result()
 
 
 @dataclass
@@ -87,10 +72,12 @@ class _Run:
     api: Api
     settings: RunSettings
     notes: list[str]
+    evidence: Evidence
     clock: SimulatedClock = field(
         default_factory=lambda: SimulatedClock(longest_wait=TESTBED_SECONDS)
     )
     window_notes: dict[str, None] = field(default_factory=dict)
+    advice: str | None = None
 
     def result(self) -> RunResult:
         settings = self.settings
@@ -122,7 +109,10 @@ class _Run:
             self._tell(hiding_notes(names))
             around.enter_context(session.active())
             around.enter_context(self.family.at_home())
-            around.enter_context(old_numpy_names())
+            around.enter_context(showable_output())
+            around.enter_context(repeatable(settings.seed))
+            around.enter_context(dropped_names(Kind.GONE, Kind.LATER))
+            around.enter_context(one_element_conversions())
             if self.headless:
                 around.enter_context(self.clock.in_force())
                 self.window_notes = around.enter_context(headless_matplotlib())
@@ -131,6 +121,9 @@ class _Run:
                 settings.timeout, self._give_up if settings.end_process else None
             )
             end = end_of(self._run_script, self.script, self.limit, self.family.ends_with_script())
+            if self.advice:
+                print(self.advice, file=sys.stderr)
+                self.notes.append(self.advice)
             if not self.family.is_home:  # a fork of the script has come to its end
                 self.family.leave(LOGGED.get(end.ended, end.ended), end.reason, end.exit_code)
             self.recording.over = True
@@ -161,7 +154,11 @@ class _Run:
                 self.settings.tell(note)
 
     def _run_script(self) -> None:
-        runpy.run_path(str(self.script), run_name="__main__")
+        try:
+            runpy.run_path(str(self.script), run_name="__main__")
+        except Exception as error:
+            self.advice = hint(error, self.evidence, self.api)
+            raise
 
     def _give_up(self) -> None:
         assert self.settings.end_process is not None

@@ -6,13 +6,14 @@ that a script that fails leaves the process as it found it.
 
 import builtins
 import contextlib
-import importlib.util
 import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from types import ModuleType
-from typing import Any, TextIO
+from typing import TextIO
+
+from rps_compat.when_imported import when_imported
 
 
 def has_display() -> bool:
@@ -30,51 +31,17 @@ def headless_matplotlib() -> Iterator[dict[str, None]]:
     does not wait for matplotlib to be imported.
     """
     notes: dict[str, None] = {}
+    changes: dict[str, Callable[[], contextlib.AbstractContextManager[None]]] = {
+        "matplotlib": _no_choice_of_backend,
+        "matplotlib.pyplot": partial(_no_windows, notes),
+    }
     with contextlib.ExitStack() as around:
-        for module, change in (
-            ("matplotlib", _no_choice_of_backend),
-            ("matplotlib.pyplot", partial(_no_windows, notes)),
-        ):
-            around.enter_context(_WhenImported(module, change))
+
+        def change(module: ModuleType) -> None:
+            around.enter_context(changes[module.__name__]())
+
+        around.enter_context(when_imported(changes, change))
         yield notes
-
-
-class _WhenImported:
-    """Enters a context as soon as a module is there, and leaves it in the end."""
-
-    def __init__(
-        self, module: str, change: Callable[[], contextlib.AbstractContextManager[None]]
-    ) -> None:
-        self._module, self._change = module, change
-        self._entered = contextlib.ExitStack()
-
-    def __enter__(self) -> None:
-        if self._module in sys.modules:
-            self._entered.enter_context(self._change())
-        else:
-            sys.meta_path.insert(0, self)
-
-    def __exit__(self, *_: object) -> None:
-        if self in sys.meta_path:
-            sys.meta_path.remove(self)
-        self._entered.close()
-
-    def find_spec(self, name: str, path: Any = None, target: Any = None) -> Any:
-        """Find the module as Python would, and hear of it when it has been imported."""
-        if name != self._module:
-            return None
-        sys.meta_path.remove(self)
-        spec = importlib.util.find_spec(name)
-        if spec is None or spec.loader is None:
-            return spec
-        loader, run = spec.loader, spec.loader.exec_module
-
-        def exec_module(module: ModuleType) -> None:
-            run(module)
-            self._entered.enter_context(self._change())
-
-        loader.exec_module = exec_module  # type: ignore[method-assign]
-        return spec
 
 
 @contextlib.contextmanager

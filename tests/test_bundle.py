@@ -166,7 +166,10 @@ ZOO = Path(__file__).parent / "zoo"
 @pytest.mark.parametrize(
     ("script", "warning"),
     [
-        ("faulty/generation_one_ending.py", r"line 10: call_at_scripts_end .* write debug\(\)"),
+        (
+            "faulty/generation_one_ending.py",
+            r"line 10: call_at_scripts_end\(\) .* debug\(\)",
+        ),
         ("faulty/generation_one_utility.py", "line 6: create_single_integrator_barrier"),
         ("sound/two_robots_forward.py", None),
         (EXPERIMENT, None),

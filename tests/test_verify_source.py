@@ -7,10 +7,9 @@ import pytest
 
 from posflock_robotarium import import_graph
 from posflock_robotarium.verify.constants import constants_of
-from posflock_robotarium.verify.generations import generation_of
-from posflock_robotarium.verify.newer_python import newer_syntax
 from posflock_robotarium.verify.static import check_source
 from rps_compat.scripts import libraries
+from rps_compat.scripts.syntax import newer_syntax
 
 
 def codes(tmp_path, text, generation=2, name="main_script.py"):
@@ -28,10 +27,14 @@ def codes(tmp_path, text, generation=2, name="main_script.py"):
         ("import matplotlib.pyplot as p\np.show(block=False)\n", []),
         ("import matplotlib.pyplot as p\np.show()\n", [("blocking-call", 2)]),
         ("from matplotlib.pyplot import show as s\ns()\n", [("blocking-call", 2)]),
-        ("from rps.robotarium import *\nplt.show()\n", [("blocking-call", 2)]),
+        ("from rps.robotarium_abc import *\nplt.show()\n", [("blocking-call", 2)]),
+        (
+            "from rps.robotarium import *\nplt.show()\n",
+            [("generation", 2), ("blocking-call", 2)],
+        ),
         ("from matplotlib.pyplot import *\nshow()\n", [("blocking-call", 2)]),
         (
-            "from rps.robotarium import *\nfrom math import *\nplt.show()\n",
+            "from rps.robotarium_abc import *\nfrom math import *\nplt.show()\n",
             [("blocking-call", 3)],
         ),
         ("breakpoint()\n", [("blocking-call", 1)]),
@@ -133,17 +136,10 @@ def test_names_bound_twice_are_not_constants():
     }
 
 
-def test_generations_are_told_apart():
-    one = ast.parse("from rps.utilities.misc import at_pose\nr = R.Robotarium()\n")
-    two = ast.parse("r = rps.robotarium.Robotarium()\nr.debug()\n")
-    both = ast.parse("r = Robotarium()\nif hasattr(r, 'debug'):\n    r.debug()\n")
-    assert [generation_of(tree) for tree in (one, two, both)] == [1, 2, None]
-
-
 def test_a_script_of_generation_one_passes_where_that_is_asked_for(tmp_path):
     text = "from rps.robotarium import Robotarium\nr = Robotarium(3)\nr.call_at_scripts_end()\n"
     assert codes(tmp_path, text, generation=1) == []
-    assert codes(tmp_path, text, generation=2) == [("generation", 3)]
+    assert codes(tmp_path, text, generation=2) == [("generation", 2), ("generation", 3)]
 
 
 @pytest.mark.parametrize(
@@ -178,7 +174,7 @@ def test_what_no_python_reads_is_not_called_newer(tmp_path, text):
     "text", ["a[(*b,)]\n", "match x:\n    case 1: pass\n", "f'{x[\"a\"]}'\n", "with (a, b): pass\n"]
 )
 def test_syntax_of_the_testbeds_python_is_accepted(text):
-    assert newer_syntax(text) is None
+    assert newer_syntax(text, ast.parse(text)) == []
 
 
 def test_local_files_are_followed_and_hidden_names_found(tmp_path):

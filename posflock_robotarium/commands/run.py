@@ -116,23 +116,25 @@ def lint(
     if to == 1:
         raise ParameterError("--to 1: scripts are rewritten for generation 2 only")
     source, findings = lint_script(script)
+    needed = any(finding.needed for finding in findings)
     if as_json:
         typer.echo(json.dumps([asdict(finding) for finding in findings], indent=1))
     else:
         for finding in findings:
-            left = "" if finding.edits or finding.kind == "default" or not to else "  [by hand]"
-            typer.echo(f"{script}:{finding.line}: {finding.message}{left}", err=bool(to))
-        if not findings:
+            left = "  [by hand]" if to and finding.by_hand else ""
+            name = script.with_name(finding.file) if finding.file else script
+            typer.echo(f"{name}:{finding.line}: {finding.message}{left}", err=bool(to))
+        if not needed:
             clean = "nothing to change for generation 2, numpy 2.2 and Python 3.10"
             typer.echo(f"{script}: {clean}", err=bool(to))
     if to:
         new = rewritten(source, findings)
         if out is None:
-            typer.echo(new.decode(), nl=False)
+            typer.echo(new, nl=False)
         else:
             try:
                 out.parent.mkdir(parents=True, exist_ok=True)
                 out.write_bytes(new)
             except OSError as error:
                 raise OutputError(f"cannot write {out}: {error.strerror or error}") from error
-    raise typer.Exit(1 if findings else 0)
+    raise typer.Exit(1 if needed else 0)

@@ -22,6 +22,7 @@ from posflock_robotarium.verify.findings import (
 from posflock_robotarium.verify.trial import Outcome
 from posflock_robotarium.verify.trials import Ran
 from rps_compat.scripts import libraries
+from rps_compat.scripts.deaths import REHEARSE, newer_library
 
 #: Share of the steps that may take longer than 33 ms.
 _LATE = 0.1
@@ -179,6 +180,9 @@ def _ending(
             f"use one of {' '.join(testbed.ENDINGS)}" if ending else "put it beside the script",
             **settings,
         )
+    newer = newer_library(str(error.get("type")), str(error.get("message")))
+    if newer:  # that is, only this machine refuses it
+        return Finding("internal", Verdict.RISK, f"could not be run: {newer}", REHEARSE, **settings)
     if outcome.ended == "died":
         return Finding("crash", verdict, what, "look at the end of its output", **settings)
     return Finding("crash", verdict, f"ends with {what}", "mend this line", **settings)

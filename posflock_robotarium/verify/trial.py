@@ -266,6 +266,7 @@ def _run(plan: TrialPlan, outcome: Outcome, pulse: mmap.mmap, deeds: int) -> Non
     from rps_compat.own_imports import keep_apart
     from rps_compat.profiles import profile_from_dict
     from rps_compat.realism import Imperfections
+    from rps_compat.repeatable import repeatable
     from rps_compat.session import Session
 
     clock = SimulatedClock(charge=True)
@@ -293,7 +294,8 @@ def _run(plan: TrialPlan, outcome: Outcome, pulse: mmap.mmap, deeds: int) -> Non
     guard.install()
     builtins.input = guard.answer
     _listen(watch, plan.generation)
-    _run_guarded(plan, outcome, session, clock, watch, scratch)
+    with repeatable(plan.seed):
+        _run_guarded(plan, outcome, session, clock, watch, scratch)
     _describe(outcome, watch, plan)
 
 
@@ -307,8 +309,13 @@ def _run_guarded(
 ) -> None:
     import atexit
 
+    from rps_compat.bridges import dropped_names, one_element_conversions
+    from rps_compat.scripts.changes import Kind
+
+    # What the testbed's libraries have and newer ones dropped is there, as it is on the testbed.
+    as_there = dropped_names(Kind.LATER), one_element_conversions()
     try:
-        with session.active(), clock.in_force():
+        with session.active(), clock.in_force(), as_there[0], as_there[1]:
             try:
                 runpy.run_path(os.path.join(scratch, plan.script), run_name="__main__")
             finally:

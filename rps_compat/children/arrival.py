@@ -6,12 +6,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NoReturn
 
+from rps_compat.bridges import dropped_names, one_element_conversions
 from rps_compat.children.family import Family, has_family
 from rps_compat.children.plan import ChildError, plan_of_this_process
 from rps_compat.clock import SimulatedClock
 from rps_compat.install import install
-from rps_compat.old_numpy import old_numpy_names
 from rps_compat.recording import Recording
+from rps_compat.repeatable import repeatable
+from rps_compat.scripts.changes import Kind
 from rps_compat.session import Session, use
 from rps_compat.surroundings import headless_matplotlib
 
@@ -47,10 +49,12 @@ def join_run(as_worker: bool = False) -> None:
     about = {"script": plan.script, "api": plan.api, "seed": plan.seed}
     out = None if plan.out is None else Path(plan.out)
     family = Family(plan, session, Recording(out, refuse or open_log, about))
+    _surroundings.enter_context(repeatable(plan.seed))
     family.arrive(as_worker)
     use(session)
     atexit.register(_surroundings.close)
-    _surroundings.enter_context(old_numpy_names())
+    _surroundings.enter_context(dropped_names(Kind.GONE, Kind.LATER))
+    _surroundings.enter_context(one_element_conversions())
     if plan.headless:
         _surroundings.enter_context(clock.in_force())
         _surroundings.enter_context(headless_matplotlib())

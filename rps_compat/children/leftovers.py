@@ -6,9 +6,10 @@ so the same is done for what the script has started, and nothing else.
 """
 
 import math
-import sys
 import traceback
 from typing import Any
+
+from rps_compat.own_imports.whose import environments_module
 
 #: How `multiprocessing` starts processes; what other libraries start they look after themselves.
 _METHODS = (None, "fork", "spawn", "forkserver")
@@ -63,18 +64,18 @@ class Leftovers:
 
 
 def _processes() -> list[Any]:
-    module = sys.modules.get("multiprocessing")
+    module = environments_module("multiprocessing")
     if module is None:
         return []
     return [p for p in module.active_children() if getattr(p, "_start_method", "") in _METHODS]
 
 
 def _finalizers() -> dict[Any, Any]:
-    found = getattr(sys.modules.get("multiprocessing.util"), "_finalizer_registry", {})
+    found = getattr(environments_module("multiprocessing.util"), "_finalizer_registry", {})
     return dict(found)
 
 
 def _server() -> Any:
     """Return the server from which `multiprocessing` forks processes, if it runs."""
-    server = getattr(sys.modules.get("multiprocessing.forkserver"), "_forkserver", None)
+    server = getattr(environments_module("multiprocessing.forkserver"), "_forkserver", None)
     return server if getattr(server, "_forkserver_pid", None) is not None else None

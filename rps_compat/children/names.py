@@ -21,6 +21,8 @@ from typing import Any
 
 import numpy as np
 
+from rps_compat.repeatable import restart
+
 
 @dataclass(frozen=True)
 class Name:
@@ -124,9 +126,13 @@ def _multiprocessing() -> Any:
 
 
 def seed_generators(seed: int | None, entropy: tuple[int, ...] = ()) -> None:
-    """Seed Python's and numpy's global generators, unless the run has no seed."""
+    """Seed Python's and numpy's global generators, unless the run has no seed.
+
+    Generators that the process makes without a seed have others than those of its parent.
+    """
     if seed is None:
         return
+    restart(seed, entropy)
     if not entropy:
         random.seed(seed)
         np.random.seed(seed % 2**32)  # noqa: NPY002 - what scripts draw from

@@ -18,7 +18,12 @@ OPTIONAL = ("cvxopt", "daqp", "distributed", "imageio_ffmpeg", "mcap", "piqp", "
 _STANDARD = os.path.dirname(os.path.abspath(os.__file__))
 _ENVIRONMENT = (_STANDARD, *(os.path.join(HOME, name) for name in OURS))
 _INSTALLED = {"site-packages", "dist-packages"}
-_IMPORT_SYSTEM = ("importlib", "_frozen_importlib", "rps_compat.own_imports")
+_IMPORT_SYSTEM = (
+    "importlib",
+    "_frozen_importlib",
+    "rps_compat.own_imports",
+    "rps_compat.when_imported",
+)
 
 #: Folders of scripts; an installation within one is the environment's all the same.
 script_folders: "set[str]" = set()
@@ -69,6 +74,12 @@ def is_environments_module(module: "ModuleType") -> bool:
     """Whether a module is the environment's."""
     origin = getattr(getattr(module, "__spec__", None), "origin", None)
     return is_environments(origin or getattr(module, "__file__", None))
+
+
+def environments_module(name: str) -> "Any":
+    """Return the environment's module `name` if it is imported, else None."""
+    module = sys.modules.get(name)
+    return module if module is not None and is_environments_module(module) else None
 
 
 def is_environments_code(variables: "dict[str, Any] | None", frame: "FrameType | None") -> bool:
