@@ -28,7 +28,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from posflock_robotarium.interpreters import find_python
+from posflock_robotarium.submission.interpreters import find_python
 from posflock_robotarium.testbed import LIBRARIES, PYTHON
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -13,7 +13,7 @@ for _variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
 import numpy as np  # noqa: E402
 
 from posflock_robotarium.calibration import calibrate  # noqa: E402
-from posflock_robotarium.poselog import Log  # noqa: E402
+from posflock_robotarium.flocking.pose_log import Log  # noqa: E402
 from rps_compat.arena import Arena  # noqa: E402
 from rps_compat.draws import Draw, constant  # noqa: E402
 from rps_compat.realism import (  # noqa: E402

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from posflock_robotarium.report.truth import EstimatorError, errors
+from posflock_robotarium.alignment.truth import EstimatorError, errors
 
 NAMES = {"headings": "headings", "motion": "Savitzky-Golay", "differences": "raw differences"}
 LEAST_PARALLEL = 0.999

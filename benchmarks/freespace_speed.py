@@ -19,15 +19,15 @@ import numpy as np
 from comparing import Table, Times, cpu, seconds
 from references import plain_flock
 
-from posflock_robotarium import freespace
-from posflock_robotarium.freespace import (
+from posflock_robotarium.alignment.point_agents import measure
+from posflock_robotarium.freespace import simulation as freespace
+from posflock_robotarium.freespace.simulation import (
     FreeSpace,
     Model,
     initial_states,
     simulate,
     simulate_batch,
 )
-from posflock_robotarium.measures import measure
 
 DENSITY = 50 / 25.0**2
 SIZES = (1_000, 2_000, 5_000, 10_000, 20_000)
@@ -99,7 +99,7 @@ def main() -> int:
 
 
 def draw(costs: np.ndarray, exponent: float, path: Path) -> None:
-    from posflock_robotarium.drawing import BLUE, GREY, in_style, new_figure
+    from posflock_robotarium.figures.style import BLUE, GREY, in_style, new_figure
 
     @in_style
     def growth() -> None:

@@ -40,8 +40,8 @@ def seeds(folder: Path) -> list[Path]:
     import h5py
     from scipy.io import savemat
 
-    from posflock_robotarium.poselog import PoseLog
-    from posflock_robotarium.report.truth import known_flock
+    from posflock_robotarium.alignment.truth import known_flock
+    from posflock_robotarium.flocking.pose_log import PoseLog
 
     recording = known_flock("rotating", 0.1, robots=4, duration=2.0).recording
     t, poses = recording.t, recording.poses
@@ -106,7 +106,7 @@ def damage(content: bytes, other: bytes, rng: np.random.Generator) -> bytes:
 
 def attempt(path: Path) -> str:
     """Read one file; return how it went."""
-    from posflock_robotarium.errors import PosflockError
+    from posflock_robotarium.flocking.errors import PosflockError
     from posflock_robotarium.report import ReadOptions, read
 
     try:

@@ -18,14 +18,14 @@ for _variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
 
 import numpy as np  # noqa: E402
 
-from posflock_robotarium.flock import Flock  # noqa: E402
-from posflock_robotarium.metrics import (  # noqa: E402
+from posflock_robotarium.alignment.metrics import (  # noqa: E402
     alignment,
     heading_vectors,
     smoothed_velocities,
 )
-from posflock_robotarium.placement import random_poses  # noqa: E402
-from posflock_robotarium.pose_filter import PoseFilterParameters  # noqa: E402
+from posflock_robotarium.flocking.flock import Flock  # noqa: E402
+from posflock_robotarium.flocking.placement import random_poses  # noqa: E402
+from posflock_robotarium.flocking.pose_filter import PoseFilterParameters  # noqa: E402
 from rps_compat.arena import GTERNAL, Arena  # noqa: E402
 from rps_compat.initial import near  # noqa: E402
 from rps_compat.profiles import load_profile  # noqa: E402

@@ -23,13 +23,13 @@ from portable import Setting, settings_for  # noqa: E402
 RUNS = """
 import sys
 import numpy as np
-from posflock_robotarium import metrics
-from posflock_robotarium.flock import Flock
-from posflock_robotarium.freespace import FreeSpace, Model, simulate
-from posflock_robotarium.measures import measure, summarise
-from posflock_robotarium.placement import random_poses
-from posflock_robotarium.summary import summarise as figures_of
-from posflock_robotarium.trial import simulate as drive
+from posflock_robotarium.alignment import metrics
+from posflock_robotarium.flocking.flock import Flock
+from posflock_robotarium.freespace.simulation import FreeSpace, Model, simulate
+from posflock_robotarium.alignment.point_agents import measure, summarise
+from posflock_robotarium.flocking.placement import random_poses
+from posflock_robotarium.alignment.summary import summarise as figures_of
+from posflock_robotarium.simulation.flock_trial import simulate as drive
 from rps_compat.profiles import load_profile
 
 out = {}

@@ -26,12 +26,12 @@ from comparing import Table, Times, cpu, cpu_with_children, seconds
 from references import dense_certificate
 
 from barrier_certificates.projection import ProjectionInfo
-from posflock_robotarium.flock import Flock
+from posflock_robotarium.alignment.summary import Summary, summarise
+from posflock_robotarium.flocking.flock import Flock
+from posflock_robotarium.flocking.placement import random_poses
+from posflock_robotarium.flocking.pose_log import PoseLog
 from posflock_robotarium.paper.robots import Noise
-from posflock_robotarium.placement import random_poses
-from posflock_robotarium.poselog import PoseLog
-from posflock_robotarium.summary import Summary, summarise
-from posflock_robotarium.trial import simulate
+from posflock_robotarium.simulation.flock_trial import simulate
 from rps_compat.arena import Arena, Array
 
 DURATION = 120.0

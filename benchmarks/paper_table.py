@@ -13,8 +13,8 @@ import sys
 import numpy as np
 from comparing import Table
 
-from posflock_robotarium.freespace import FreeSpace, Model, simulate_batch
-from posflock_robotarium.measures import measure, summarise
+from posflock_robotarium.alignment.point_agents import measure, summarise
+from posflock_robotarium.freespace.simulation import FreeSpace, Model, simulate_batch
 
 V, P, N = Model.VELOCITY, Model.POSITION, Model.POSITION_NO_THRESHOLD
 

@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 from comparing import Table, Times, cpu, cpu_with_children
 
-from posflock_robotarium.errors import OutputError
-from posflock_robotarium.report.readers import Recording
-from posflock_robotarium.report.truth import known_flock
+from posflock_robotarium.alignment.truth import known_flock
+from posflock_robotarium.flocking.errors import OutputError
+from posflock_robotarium.logs.readers import Recording
 from posflock_robotarium.report.video import RATE, SIZE, TRAIL, find_ffmpeg, write_video
 
 DURATION, FRAMES = 40.0, 60

@@ -60,7 +60,7 @@ print(json.dumps([time.process_time() - before, 0.0, len(p)]))
 
 def write_log(folder: Path, share: float) -> Path:
     """Write a pose log of wandering robots whose neighbours keep changing: the worst case."""
-    from posflock_robotarium.poselog import row_type
+    from posflock_robotarium.flocking.pose_log import row_type
 
     rng = np.random.default_rng(0)
     samples = round(share * LONGEST_SECONDS / STEP)

@@ -30,12 +30,12 @@ except ImportError:
 
     STAND_IN = True
 
-from posflock_robotarium.errors import PosflockError
-from posflock_robotarium.flock import WALLS, Flock
-from posflock_robotarium.law import LawParameters
-from posflock_robotarium.placement import random_poses
-from posflock_robotarium.poselog import PoseLog
-from posflock_robotarium.progress import steps_of
+from posflock_robotarium.flocking.errors import PosflockError
+from posflock_robotarium.flocking.flock import WALLS, Flock
+from posflock_robotarium.flocking.law import LawParameters
+from posflock_robotarium.flocking.placement import random_poses
+from posflock_robotarium.flocking.pose_log import PoseLog
+from posflock_robotarium.flocking.progress import steps_of
 
 ROBOTS = 9
 DURATION = 120.0  # s
@@ -96,9 +96,9 @@ def run(r: Any, flock: Flock, log: PoseLog, steps: int) -> None:
 
 def report(path: Path) -> None:
     """Summarise and draw the run; for a log from the testbed, ``posflock report`` does."""
-    from posflock_robotarium.figures import draw_run
-    from posflock_robotarium.poselog import read_log
-    from posflock_robotarium.summary import summarise
+    from posflock_robotarium.alignment.summary import summarise
+    from posflock_robotarium.figures.experiment import draw_run
+    from posflock_robotarium.flocking.pose_log import read_log
 
     log = read_log(path)
     summary = summarise(log)

@@ -6,7 +6,7 @@ import typer
 
 from posflock_robotarium import __version__
 from posflock_robotarium.commands import bundle, calibrate, paper, report, run, sweep, verify
-from posflock_robotarium.errors import PosflockError
+from posflock_robotarium.flocking.errors import PosflockError
 
 app = typer.Typer(
     name="posflock",

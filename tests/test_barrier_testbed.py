@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from posflock_robotarium.bundle import bundle
+from posflock_robotarium.submission.bundle import bundle
 
 ROOT = Path(__file__).resolve().parents[1]
 PINS = ("numpy==2.2.6", "scipy==1.15.3", "cvxopt==1.3.2")

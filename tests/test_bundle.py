@@ -10,9 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from posflock_robotarium import bundle as bundling
-from posflock_robotarium import import_graph, testbed
-from posflock_robotarium.bundle import (
+from posflock_robotarium import testbed
+from posflock_robotarium.flocking.errors import OutputError
+from posflock_robotarium.submission import bundle as bundling
+from posflock_robotarium.submission.bundle import (
     INSTRUCTIONS,
     MANIFEST,
     BundleError,
@@ -21,8 +22,8 @@ from posflock_robotarium.bundle import (
     check_manifest,
     main_file,
 )
-from posflock_robotarium.errors import OutputError
-from posflock_robotarium.interpreters import installed_pythons
+from posflock_robotarium.submission.interpreters import installed_pythons
+from rps_compat.scripts import import_graph
 
 EXPERIMENT = Path(__file__).parents[1] / "experiments" / "robotarium_9bot.py"
 
@@ -213,7 +214,7 @@ def test_added_lines_come_where_python_wants_them(source):
 def test_the_experiment_goes_with_what_it_needs_and_no_more(tmp_path):
     ready = bundle(EXPERIMENT, tmp_path / "up")
     assert (tmp_path / "up" / EXPERIMENT.name).read_bytes() == EXPERIMENT.read_bytes()
-    assert {"flock.py", "law.py", "poselog.py", "unicycle.py", "solve_nnls.py"} <= set(ready.files)
+    assert {"flock.py", "law.py", "pose_log.py", "unicycle.py", "solve_nnls.py"} <= set(ready.files)
     assert {"posflock_robotarium.py", "barrier_certificates.py"} <= set(ready.files)
     assert not {"cli.py", "runner.py", "arena.py"} & set(ready.files)
     assert {name for name in ready.files if name.startswith("solve_")} == {

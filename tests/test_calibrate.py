@@ -5,8 +5,8 @@ import pytest
 
 from benchmarks.calibration import simulated_testbed
 from posflock_robotarium.calibration import Estimate, calibrate, delayed, resimulate, write_log
-from posflock_robotarium.errors import LogError
-from posflock_robotarium.poselog import Log, read_log
+from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.flocking.pose_log import Log, read_log
 from rps_compat.arena import Arena
 from rps_compat.draws import constant
 from rps_compat.profiles import profile_from_toml, profile_to_toml

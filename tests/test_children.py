@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import rps_compat
-from posflock_robotarium.poselog import read_log
-from posflock_robotarium.recording import open_pose_log
+from posflock_robotarium.flocking.pose_log import read_log
+from posflock_robotarium.logs.recorder import open_pose_log
 from rps_compat.children import VARIABLE, names
 from rps_compat.children.plan import ChildError
 from rps_compat.children.records import Instance, InstanceRecord, Record

@@ -8,7 +8,7 @@ import pytest
 
 from barrier_certificates.certificate_errors import CertificateError, PosflockError
 from barrier_certificates.single_integrator import SingleIntegratorCertificate
-from posflock_robotarium import errors
+from posflock_robotarium.flocking import errors
 from rps_compat.errors import RobotariumError
 from rps_compat.v1.utilities.barrier_certificates import (
     create_single_integrator_barrier_certificate,

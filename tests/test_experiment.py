@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from posflock_robotarium.poselog import read_log
+from posflock_robotarium.flocking.pose_log import read_log
 
 ROOT = Path(__file__).resolve().parents[1]
 SCRIPT = ROOT / "experiments" / "robotarium_9bot.py"

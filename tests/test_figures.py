@@ -4,11 +4,11 @@ import matplotlib
 import numpy as np
 import pytest
 
-from posflock_robotarium import figures
-from posflock_robotarium.errors import LogError
-from posflock_robotarium.flock import Flock
-from posflock_robotarium.placement import random_poses
-from posflock_robotarium.trial import simulate
+from posflock_robotarium.figures import experiment as figures
+from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.flocking.flock import Flock
+from posflock_robotarium.flocking.placement import random_poses
+from posflock_robotarium.simulation.flock_trial import simulate
 
 
 @pytest.fixture(scope="module")

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from posflock_robotarium.errors import ParameterError
-from posflock_robotarium.flock import EXPERIMENT_CERTIFICATE, Flock, SteeringParameters
-from posflock_robotarium.placement import random_poses
-from posflock_robotarium.poselog import Log
-from posflock_robotarium.summary import summarise
-from posflock_robotarium.trial import simulate
+from posflock_robotarium.alignment.summary import summarise
+from posflock_robotarium.flocking.errors import ParameterError
+from posflock_robotarium.flocking.flock import EXPERIMENT_CERTIFICATE, Flock, SteeringParameters
+from posflock_robotarium.flocking.placement import random_poses
+from posflock_robotarium.flocking.pose_log import Log
+from posflock_robotarium.simulation.flock_trial import simulate
 
 
 def start_of(seed):

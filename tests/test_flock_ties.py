@@ -7,15 +7,16 @@ import numpy as np
 import pytest
 from last_bits import TOUCHING, neighbours_of
 
-from posflock_robotarium import metrics, testbed
-from posflock_robotarium.flock import Flock
-from posflock_robotarium.freespace import FreeSpace
-from posflock_robotarium.law import neighbours
-from posflock_robotarium.measures import Measures, summarise
-from posflock_robotarium.neighbour_search import neighbour_pairs
+from posflock_robotarium import testbed
+from posflock_robotarium.alignment import metrics
+from posflock_robotarium.alignment.estimators import window_points
+from posflock_robotarium.alignment.point_agents import Measures, summarise
+from posflock_robotarium.flocking.flock import Flock
+from posflock_robotarium.flocking.law import neighbours
+from posflock_robotarium.freespace.neighbour_search import neighbour_pairs
+from posflock_robotarium.freespace.sensing import Sensing, Sensors
+from posflock_robotarium.freespace.simulation import FreeSpace
 from posflock_robotarium.report import Recording, analyse
-from posflock_robotarium.report.estimators import window_points
-from posflock_robotarium.sensing import Sensing, Sensors
 from posflock_robotarium.verify.judge import judge, recommended_duration
 from posflock_robotarium.verify.trial import Outcome, TrialPlan, Watch
 from posflock_robotarium.verify.trials import Ran

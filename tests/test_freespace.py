@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from posflock_robotarium import metrics
-from posflock_robotarium.errors import ParameterError
-from posflock_robotarium.freespace import FreeSpace, Model, simulate, simulate_batch
-from posflock_robotarium.law import (
+from posflock_robotarium.alignment import metrics
+from posflock_robotarium.alignment.point_agents import measure, summarise
+from posflock_robotarium.flocking.errors import ParameterError
+from posflock_robotarium.flocking.law import (
     PAPER_SIMULATION,
     LawParameters,
     displacements,
@@ -19,15 +19,15 @@ from posflock_robotarium.law import (
     position_based_input,
     velocity_based_input,
 )
-from posflock_robotarium.measures import measure, summarise
-from posflock_robotarium.neighbour_search import (
+from posflock_robotarium.freespace.neighbour_search import (
     TREE_FROM_AGENTS,
     nearest_distances,
     neighbour_pairs,
     position_based_input_over,
     velocity_based_input_over,
 )
-from posflock_robotarium.sensing import Sensing
+from posflock_robotarium.freespace.sensing import Sensing
+from posflock_robotarium.freespace.simulation import FreeSpace, Model, simulate, simulate_batch
 
 SHORT = FreeSpace(agents=12, side=12.0, duration=3.0, record_interval=0.05)
 
@@ -160,7 +160,7 @@ def test_a_pair_exactly_at_the_radius_is_no_pair():
 def test_a_large_flock_runs_by_tree_as_it_would_densely(model, monkeypatch):
     scenario = FreeSpace(model=model, agents=TREE_FROM_AGENTS, side=61.0, duration=1.0)
     by_tree = simulate(scenario, 1)
-    monkeypatch.setattr("posflock_robotarium.freespace.TREE_FROM_AGENTS", 10_000)
+    monkeypatch.setattr("posflock_robotarium.freespace.simulation.TREE_FROM_AGENTS", 10_000)
     np.testing.assert_allclose(by_tree.positions, simulate(scenario, 1).positions, atol=1e-10)
 
 

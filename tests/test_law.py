@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose
 
-from posflock_robotarium.errors import ParameterError
-from posflock_robotarium.law import (
+from posflock_robotarium.flocking.errors import ParameterError
+from posflock_robotarium.flocking.law import (
     PAPER_EXPERIMENT,
     PAPER_SIMULATION,
     LawParameters,

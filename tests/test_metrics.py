@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from posflock_robotarium import metrics
-from posflock_robotarium.errors import ParameterError
+from posflock_robotarium.alignment import metrics
+from posflock_robotarium.flocking.errors import ParameterError
 
 SQUARE = np.array([[0.0, 1.0, 1.0, 0.0], [0.0, 0.0, 1.0, 1.0]])
 

@@ -25,10 +25,10 @@ class Refuse(importlib.abc.MetaPathFinder):
             raise ImportError(f"{name} is not on the testbed")
 sys.meta_path.insert(0, Refuse())
 import numpy as np
-from posflock_robotarium.flock import Flock
-from posflock_robotarium.placement import random_poses
-from posflock_robotarium.poselog import PoseLog
-from posflock_robotarium.progress import steps_of
+from posflock_robotarium.flocking.flock import Flock
+from posflock_robotarium.flocking.placement import random_poses
+from posflock_robotarium.flocking.pose_log import PoseLog
+from posflock_robotarium.flocking.progress import steps_of
 flock, poses = Flock(), random_poses(9, np.random.default_rng(0))
 with PoseLog(sys.argv[1], 9, 30) as log:
     for step in steps_of(30, 0.033, "onboard"):
@@ -54,7 +54,7 @@ def onboard(tmp_path_factory):
 
 
 def test_a_flight_needs_numpy_and_scipy_alone(onboard):
-    assert "posflock_robotarium.flock" in onboard
+    assert "posflock_robotarium.flocking.flock" in onboard
     assert "barrier_certificates.unicycle" in onboard
 
 

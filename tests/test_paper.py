@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from posflock_robotarium.alignment.point_agents import measure, summarise
 from posflock_robotarium.cli import app
-from posflock_robotarium.drawing import new_figure, save
-from posflock_robotarium.errors import OutputError, ParameterError
-from posflock_robotarium.freespace import FreeSpace, Model, simulate
-from posflock_robotarium.measures import measure, summarise
+from posflock_robotarium.figures.style import new_figure, save
+from posflock_robotarium.flocking.errors import OutputError, ParameterError
+from posflock_robotarium.freespace.simulation import FreeSpace, Model, simulate
 from posflock_robotarium.paper.claim import Claim
 from posflock_robotarium.paper.claims import CLAIMS, judge_all
 from posflock_robotarium.paper.evidence import gather
@@ -33,7 +33,7 @@ def found(tmp_path_factory):
     """Reproduce the paper in small, on two seeds."""
     folder = tmp_path_factory.mktemp("rehearsal")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("posflock_robotarium.paper.figures.save", laid_out)
+        patch.setattr("posflock_robotarium.paper.paper_figures.save", laid_out)
         return reproduce(folder, seeds=2, paper=REHEARSAL, driving=21.0, workers=1)
 
 

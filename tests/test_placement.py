@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from posflock_robotarium.errors import ParameterError
-from posflock_robotarium.metrics import smallest_distance
-from posflock_robotarium.placement import random_poses
+from posflock_robotarium.alignment.metrics import smallest_distance
+from posflock_robotarium.flocking.errors import ParameterError
+from posflock_robotarium.flocking.placement import random_poses
 
 
 @given(st.integers(2, 9), st.integers(0, 2**32 - 1))

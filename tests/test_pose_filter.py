@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from posflock_robotarium.errors import ParameterError
-from posflock_robotarium.flock import Flock
-from posflock_robotarium.metrics import alignment, smoothed_velocities
-from posflock_robotarium.placement import random_poses
-from posflock_robotarium.pose_filter import PoseFilter, PoseFilterParameters
+from posflock_robotarium.alignment.metrics import alignment, smoothed_velocities
+from posflock_robotarium.flocking.errors import ParameterError
+from posflock_robotarium.flocking.flock import Flock
+from posflock_robotarium.flocking.placement import random_poses
+from posflock_robotarium.flocking.pose_filter import PoseFilter, PoseFilterParameters
 from rps_compat.arena import GTERNAL, Arena
 from rps_compat.profiles import load_profile
 

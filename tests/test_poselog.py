@@ -10,8 +10,8 @@ import time
 import numpy as np
 import pytest
 
-from posflock_robotarium.errors import LogError, OutputError, ParameterError
-from posflock_robotarium.poselog import PoseLog, read_log
+from posflock_robotarium.flocking.errors import LogError, OutputError, ParameterError
+from posflock_robotarium.flocking.pose_log import PoseLog, read_log
 
 
 def fill(log, rows, robots=3):
@@ -46,7 +46,7 @@ def test_a_killed_process_has_lost_nothing(tmp_path):
     script = """
 import sys, time
 import numpy as np
-from posflock_robotarium.poselog import PoseLog
+from posflock_robotarium.flocking.pose_log import PoseLog
 log = PoseLog(sys.argv[1], 4, 100000)
 for k in range(100000):
     log.append(0.033 * k, np.full((3, 4), k), np.full((2, 4), k))

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from posflock_robotarium import rehearse as rehearsing
-from posflock_robotarium.bundle import BundleError, bundle
-from posflock_robotarium.errors import OutputError, ParameterError
-from posflock_robotarium.poselog import read_log
-from posflock_robotarium.rehearse import Environment, RehearsalError, rehearse, report_on
+from posflock_robotarium.flocking.errors import OutputError, ParameterError
+from posflock_robotarium.flocking.pose_log import read_log
+from posflock_robotarium.submission import rehearse as rehearsing
+from posflock_robotarium.submission.bundle import BundleError, bundle
+from posflock_robotarium.submission.rehearse import Environment, RehearsalError, rehearse, report_on
 from posflock_robotarium.verify.static import check_source
 from posflock_robotarium.verify.trials import Limits, TrialRoom
 from rps_compat.scripts import libraries

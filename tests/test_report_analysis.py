@@ -9,15 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from posflock_robotarium import metrics
+from posflock_robotarium.alignment import metrics
+from posflock_robotarium.alignment.comparison import compare, distinctly_named, spread_of
+from posflock_robotarium.alignment.summary import summarise
+from posflock_robotarium.alignment.truth import known_flock
+from posflock_robotarium.alignment.verdicts import headline
 from posflock_robotarium.commands.report import report as report_command
-from posflock_robotarium.errors import LogError, ParameterError
-from posflock_robotarium.poselog import PoseLog, read_log
+from posflock_robotarium.flocking.errors import LogError, ParameterError
+from posflock_robotarium.flocking.pose_log import PoseLog, read_log
 from posflock_robotarium.report import AnalysisOptions, Recording, analyse, load
-from posflock_robotarium.report.comparison import compare, distinctly_named, spread_of
-from posflock_robotarium.report.truth import known_flock
-from posflock_robotarium.report.verdicts import headline
-from posflock_robotarium.summary import summarise
 
 ROOT = Path(__file__).parents[1]
 
@@ -104,7 +104,7 @@ def test_the_nine_robots_flock(nine_robots):
 
 
 def test_small_stretches_give_the_same_curves(nine_robots, monkeypatch):
-    monkeypatch.setattr("posflock_robotarium.report.curves.PAIRS_AT_A_TIME", 81 * 7)
+    monkeypatch.setattr("posflock_robotarium.alignment.curves.PAIRS_AT_A_TIME", 81 * 7)
     again = analyse(nine_robots.recording)
     for key, curve in nine_robots.curves.items():
         np.testing.assert_array_equal(again.curves[key], curve, err_msg=key)

@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from posflock_robotarium.alignment.truth import known_flock
 from posflock_robotarium.report import analyse
 from posflock_robotarium.report.page import write_page
-from posflock_robotarium.report.truth import known_flock
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 pytestmark = [

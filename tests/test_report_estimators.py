@@ -7,16 +7,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from posflock_robotarium import metrics
-from posflock_robotarium.errors import ParameterError
-from posflock_robotarium.report import Recording, analyse
-from posflock_robotarium.report.estimators import (
+from posflock_robotarium.alignment import metrics
+from posflock_robotarium.alignment.estimators import (
     estimate,
     expected_bias,
     tracking_noise,
     window_points,
 )
-from posflock_robotarium.report.truth import MOTIONS, POSITION_NOISE, errors, known_flock
+from posflock_robotarium.alignment.truth import MOTIONS, POSITION_NOISE, errors, known_flock
+from posflock_robotarium.flocking.errors import ParameterError
+from posflock_robotarium.report import Recording, analyse
 
 
 @pytest.fixture(scope="module")

@@ -5,11 +5,11 @@ import dataclasses
 import numpy as np
 import pytest
 
-from posflock_robotarium.drawing import save
+from posflock_robotarium.alignment.comparison import distinctly_named
+from posflock_robotarium.alignment.truth import known_flock
+from posflock_robotarium.figures.style import save
 from posflock_robotarium.report import analyse
-from posflock_robotarium.report.comparison import distinctly_named
-from posflock_robotarium.report.figures import alignment, distances, motion, runs
-from posflock_robotarium.report.truth import known_flock
+from posflock_robotarium.report.curve_figures import alignment, distances, motion, runs
 
 
 def a_run(seed=0, name="run", keep=slice(None)):

@@ -11,12 +11,12 @@ import pytest
 from PIL import Image
 from typer.testing import CliRunner
 
+from posflock_robotarium.alignment.truth import known_flock
 from posflock_robotarium.cli import app
-from posflock_robotarium.errors import LogError, OutputError, ParameterError
-from posflock_robotarium.poselog import PoseLog
+from posflock_robotarium.flocking.errors import LogError, OutputError, ParameterError
+from posflock_robotarium.flocking.pose_log import PoseLog
+from posflock_robotarium.logs.convert import convert
 from posflock_robotarium.report import analyse, read
-from posflock_robotarium.report.convert import convert
-from posflock_robotarium.report.truth import known_flock
 from posflock_robotarium.report.video import find_ffmpeg, write_video
 from posflock_robotarium.report.words import number_text
 

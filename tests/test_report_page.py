@@ -9,8 +9,9 @@ import re
 import numpy as np
 import pytest
 
-from posflock_robotarium.errors import OutputError, ParameterError
-from posflock_robotarium.poselog import PoseLog
+from posflock_robotarium.alignment.truth import known_flock
+from posflock_robotarium.flocking.errors import OutputError, ParameterError
+from posflock_robotarium.flocking.pose_log import PoseLog
 from posflock_robotarium.report import Recording, analyse
 from posflock_robotarium.report.outputs import (
     latex_table,
@@ -19,7 +20,6 @@ from posflock_robotarium.report.outputs import (
     write_summary,
 )
 from posflock_robotarium.report.page import render, write_page
-from posflock_robotarium.report.truth import known_flock
 from posflock_robotarium.report.words import unbroken
 
 HOSTILE = """</script><script>alert(1)</script><img src=x onerror=alert(2)>"'&{{7*7}}<!--"""

@@ -12,12 +12,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.io import loadmat, savemat
 
-from posflock_robotarium.errors import LogError
-from posflock_robotarium.poselog import PoseLog
+from posflock_robotarium.alignment.truth import known_flock
+from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.flocking.pose_log import PoseLog
+from posflock_robotarium.logs.readers.layouts import sideways_share, to_poses
+from posflock_robotarium.logs.readers.matlab5 import read_matlab5
 from posflock_robotarium.report import LayoutError, ReadOptions, Recording, read, read_parts
-from posflock_robotarium.report.readers.layouts import sideways_share, to_poses
-from posflock_robotarium.report.readers.matlab5 import read_matlab5
-from posflock_robotarium.report.truth import known_flock
 
 STEP = 0.033
 
@@ -181,7 +181,7 @@ def test_a_matlab_file_that_ends_scipys_process_is_refused(tmp_path):
 
 
 def test_a_small_file_may_not_unpack_to_gigabytes(tmp_path, monkeypatch):
-    monkeypatch.setattr("posflock_robotarium.report.readers.matlab5.LARGEST", 1 << 20)
+    monkeypatch.setattr("posflock_robotarium.logs.readers.matlab5.LARGEST", 1 << 20)
     bomb = zlib.compress(bytes((1 << 20) + 64))
     head = b"MATLAB 5.0".ljust(124) + b"\x00\x01IM"
     element = np.array([15, len(bomb)], "<u4").tobytes() + bomb

@@ -11,9 +11,9 @@ import pytest
 from typer.testing import CliRunner
 
 from posflock_robotarium.cli import app
-from posflock_robotarium.errors import PosflockError
-from posflock_robotarium.poselog import read_log
-from posflock_robotarium.recording import open_pose_log
+from posflock_robotarium.flocking.errors import PosflockError
+from posflock_robotarium.flocking.pose_log import read_log
+from posflock_robotarium.logs.recorder import open_pose_log
 from rps_compat.errors import ScriptError
 from rps_compat.run_result import summary
 from rps_compat.run_settings import RunSettings, SettingsError

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 from benchmarks.calibration import simulated_testbed
 from posflock_robotarium.calibration import write_log
 from posflock_robotarium.cli import app
-from posflock_robotarium.errors import LogError, PosflockError
+from posflock_robotarium.flocking.errors import LogError, PosflockError
 from rps_compat.profiles import load_profile
 
 ZOO = Path(__file__).parent / "zoo"

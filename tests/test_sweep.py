@@ -14,7 +14,7 @@ from pyarrow import parquet
 from typer.testing import CliRunner
 
 from posflock_robotarium.cli import app
-from posflock_robotarium.errors import OutputError, ParameterError
+from posflock_robotarium.flocking.errors import OutputError, ParameterError
 from posflock_robotarium.sweep.execution import batches, compute, execute, locally
 from posflock_robotarium.sweep.experiments import Experiment, find, names, register
 from posflock_robotarium.sweep.results import finished, interval, outcomes, summary, write_tables

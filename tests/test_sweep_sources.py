@@ -14,10 +14,10 @@ import pytest
 from typer.testing import CliRunner
 
 from posflock_robotarium.cli import app
-from posflock_robotarium.errors import ParameterError
-from posflock_robotarium.freespace import FreeSpace, simulate
-from posflock_robotarium.law import displacements, position_based_input
-from posflock_robotarium.sensing import Sensing
+from posflock_robotarium.flocking.errors import ParameterError
+from posflock_robotarium.flocking.law import displacements, position_based_input
+from posflock_robotarium.freespace.sensing import Sensing
+from posflock_robotarium.freespace.simulation import FreeSpace, simulate
 from posflock_robotarium.sweep import sources
 from posflock_robotarium.sweep.execution import WorkerError, execute, locally
 from posflock_robotarium.sweep.experiments import Experiment, find, register
@@ -39,7 +39,7 @@ persistence = [0.1, 0.2]
 """
 LAW = """
 from helper import STRENGTH
-from posflock_robotarium.law import velocity_based_input
+from posflock_robotarium.flocking.law import velocity_based_input
 from posflock_robotarium.sweep.points import register_law
 
 def brake(sensed, law, braking):
@@ -102,7 +102,7 @@ def test_an_edited_law_is_computed_again_and_the_old_results_stay(tmp_path):
     first = sweep(study, packages=packages)
     assert (first["computed"], first["stale"]) == (4, 0)
 
-    law = packages / "posflock_robotarium" / "law.py"
+    law = packages / "posflock_robotarium" / "flocking" / "law.py"
     original = law.read_text()
     edited = original.replace("dtype=float) * rate", "dtype=float) * rate * 0.5")
     assert edited != original
@@ -123,14 +123,16 @@ def test_the_sources_of_an_experiment_are_all_that_decides_it():
         for name in ("freespace", "robots")
     }
     ours = "posflock_robotarium"
-    for name in ("law", "freespace", "sensing", "measures", "metrics", "neighbour_search"):
-        assert f"{ours}.{name}" in found["freespace"]
-    robots = {f"{ours}.{name}" for name in ("law", "flock", "placement", "summary", "trial")}
+    agents = {f"{ours}.freespace.{name}" for name in ("simulation", "sensing", "neighbour_search")}
+    agents |= {f"{ours}.alignment.{name}" for name in ("metrics", "point_agents")}
+    assert agents | {f"{ours}.flocking.law"} <= found["freespace"]
+    robots = {f"{ours}.flocking.{name}" for name in ("law", "flock", "placement")}
+    robots |= {f"{ours}.alignment.summary", f"{ours}.simulation.flock_trial"}
     robots |= {f"rps_compat.{name}" for name in ("arena", "realism", "profiles", "draws")}
     robots |= {f"barrier_certificates.{name}" for name in ("unicycle", "rows", "rows.pairs")}
     assert robots <= found["robots"]
     # What only keeps books or draws may change without costing anyone a night of computing.
-    for name in ("sweep.store", "sweep.results", "drawing", "cli"):
+    for name in ("sweep.store", "sweep.results", "figures.style", "cli"):
         assert f"{ours}.{name}" not in found["freespace"] | found["robots"]
     assert not any(name.startswith("rps_compat") for name in found["freespace"])
 

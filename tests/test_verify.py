@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from posflock_robotarium.errors import ParameterError
+from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.verify import Report, ablate, verify
 from posflock_robotarium.verify.findings import (
     CODES,

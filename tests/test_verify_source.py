@@ -5,10 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from posflock_robotarium import import_graph
 from posflock_robotarium.verify.constants import constants_of
 from posflock_robotarium.verify.static import check_source
-from rps_compat.scripts import libraries
+from rps_compat.scripts import import_graph, libraries
 from rps_compat.scripts.syntax import newer_syntax
 
 

@@ -8,13 +8,13 @@ import time
 
 import pytest
 
-from posflock_robotarium.errors import PosflockError
-from posflock_robotarium.progress import counted
+from posflock_robotarium.flocking.errors import PosflockError
+from posflock_robotarium.flocking.progress import counted
+from posflock_robotarium.simulation.workers import THREAD_VARIABLES, local_pool, processors
 from posflock_robotarium.sweep.execution import WorkerError, execute, locally
 from posflock_robotarium.sweep.experiments import Experiment, register
 from posflock_robotarium.sweep.store import Store
 from posflock_robotarium.sweep.study import parse_study
-from posflock_robotarium.workers import THREAD_VARIABLES, local_pool, processors
 
 
 def die(experiment, runs, module=None):
@@ -34,7 +34,7 @@ def test_workers_have_one_thread_and_the_caller_keeps_its_own(monkeypatch):
 
 ORPHANING = """
 import os, time
-from posflock_robotarium.workers import local_pool
+from posflock_robotarium.simulation.workers import local_pool
 if __name__ == "__main__":
     with local_pool(2) as pool:
         tasks = [pool.submit(time.sleep, 0.2) for _ in range(2)]

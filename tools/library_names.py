@@ -18,7 +18,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from posflock_robotarium.interpreters import find_python
+from posflock_robotarium.submission.interpreters import find_python
 from rps_compat.scripts import library_names, numpy_names, python_names
 from rps_compat.scripts.changes import CHANGES, change_of
 from rps_compat.scripts.libraries import LIBRARIES, NEWER_MODULES, PYTHON, STANDARD_LIBRARY

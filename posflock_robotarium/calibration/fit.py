@@ -11,7 +11,7 @@ from scipy.optimize import least_squares
 
 from posflock_robotarium.calibration.increments import Increments, delayed
 from posflock_robotarium.calibration.noise import Noise, noise_of, whitener
-from posflock_robotarium.errors import LogError
+from posflock_robotarium.flocking.errors import LogError
 
 Floats = NDArray[np.float64]
 _LARGEST_DEAD_TIME, _LARGEST_LAG = 1.0, 1.0

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from posflock_robotarium.errors import LogError
-from posflock_robotarium.poselog import Log
+from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.flocking.pose_log import Log
 from rps_compat.kinematics import wrap
 
 Floats = NDArray[np.float64]

@@ -12,7 +12,7 @@ from posflock_robotarium.calibration.estimate import Estimate
 from posflock_robotarium.calibration.fit import LEAST_LAG, Fit
 from posflock_robotarium.calibration.increments import increments_of, time_step_of
 from posflock_robotarium.calibration.tracking import heading_offsets, lateral_jitter
-from posflock_robotarium.poselog import Log
+from posflock_robotarium.flocking.pose_log import Log
 from rps_compat.draws import Draw, constant
 from rps_compat.realism import (
     DeadTime,

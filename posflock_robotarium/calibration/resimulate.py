@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from posflock_robotarium.calibration.increments import time_step_of
-from posflock_robotarium.errors import LogError, OutputError
-from posflock_robotarium.poselog import Log, PoseLog
+from posflock_robotarium.flocking.errors import LogError, OutputError
+from posflock_robotarium.flocking.pose_log import Log, PoseLog
 from rps_compat.realism import Profile
 
 
@@ -26,7 +26,7 @@ def read_commanded(path: Path | str) -> Log:
     LogError
         Where the file is missing, damaged, ambiguous or holds no commands.
     """
-    from posflock_robotarium.report.readers import LayoutError, read
+    from posflock_robotarium.logs.readers import LayoutError, read
 
     try:
         run = read(path)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from posflock_robotarium.calibration.estimate import Estimate, Z
-from posflock_robotarium.poselog import Log
+from posflock_robotarium.flocking.pose_log import Log
 from rps_compat.kinematics import wrap
 
 

@@ -37,7 +37,7 @@ def bundle(
 
         posflock bundle main.py -o upload --data goals.npy --no-run
     """
-    from posflock_robotarium.bundle import bundle as lay_flat
+    from posflock_robotarium.submission.bundle import bundle as lay_flat
     from posflock_robotarium.verify.findings import count
     from posflock_robotarium.verify.trials import robots_and_seconds
 
@@ -107,7 +107,7 @@ def rehearse(
 
         posflock rehearse upload -o back --duration 320
     """
-    from posflock_robotarium.rehearse import rehearse as run
+    from posflock_robotarium.submission.rehearse import rehearse as run
     from posflock_robotarium.verify.findings import count
 
     done = run(
@@ -123,7 +123,7 @@ def rehearse(
     )
     page = None
     if report:
-        from posflock_robotarium.rehearse import report_on
+        from posflock_robotarium.submission.rehearse import report_on
 
         page = report_on(done)
     if json_only:

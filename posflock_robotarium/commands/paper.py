@@ -29,8 +29,8 @@ def reproduce(
     import json
     import sys
 
+    from posflock_robotarium.flocking.progress import counted
     from posflock_robotarium.paper.reproduction import reproduce as recompute
-    from posflock_robotarium.progress import counted
 
     with counted("reproducing the paper") as progress:
         found = recompute(out, seeds, first_seed=first_seed, workers=workers, progress=progress)

@@ -177,7 +177,7 @@ def compare(
 
         posflock compare returned.npy --resimulate calibrated -o comparison
     """
-    from posflock_robotarium.report.comparison import compare as compare_runs
+    from posflock_robotarium.alignment.comparison import compare as compare_runs
 
     with _resimulated(runs, resimulate) as logs:
         reading = _options(layout, columns, dt, array, drop_damaged)
@@ -225,9 +225,9 @@ def replay(
 
         posflock replay results/nine_robots.npy --video run.gif --speed 8
     """
+    from posflock_robotarium.alignment.analysis import robot_of
     from posflock_robotarium.commands.terminal import progress
     from posflock_robotarium.report import read
-    from posflock_robotarium.report.analysis import robot_of
     from posflock_robotarium.report.video import write_video
 
     recording = read(log, _options(layout, columns, dt, array, drop_damaged))
@@ -263,10 +263,10 @@ def convert(
 
         posflock convert results/nine_robots.npy --to mcap -o nine_robots.mcap
     """
-    from posflock_robotarium.errors import ParameterError
+    from posflock_robotarium.flocking.errors import ParameterError
+    from posflock_robotarium.logs.convert import WRITERS
+    from posflock_robotarium.logs.convert import convert as write
     from posflock_robotarium.report import read
-    from posflock_robotarium.report.convert import WRITERS
-    from posflock_robotarium.report.convert import convert as write
 
     if to not in WRITERS:
         raise ParameterError(f"--to {to!r} is none of {', '.join(WRITERS)}")
@@ -301,10 +301,10 @@ def _analyse(
     settle: float | None,
     join: bool,
 ) -> list["Analysis"]:
+    from posflock_robotarium.alignment.analysis import is_analysis
+    from posflock_robotarium.alignment.comparison import distinctly_named
     from posflock_robotarium.commands.terminal import progress
     from posflock_robotarium.report import AnalysisOptions, analyse, load, read_parts
-    from posflock_robotarium.report.analysis import is_analysis
-    from posflock_robotarium.report.comparison import distinctly_named
 
     options = AnalysisOptions(radius=radius, window=window, slowest=slowest, settle=settle)
     if join:

@@ -62,7 +62,7 @@ def run(
 
         posflock run --seed 1 --timeout 60 --snapshot 0,end -o results formation.py --robots 7
     """
-    from posflock_robotarium.recording import open_pose_log
+    from posflock_robotarium.logs.recorder import open_pose_log
     from rps_compat.process import run_and_tell
     from rps_compat.profiles import load_profile
     from rps_compat.run_settings import RunSettings, snapshot_times
@@ -110,7 +110,7 @@ def lint(
     import json
     from dataclasses import asdict
 
-    from posflock_robotarium.errors import OutputError, ParameterError
+    from posflock_robotarium.flocking.errors import OutputError, ParameterError
     from rps_compat.lint import lint_script, rewritten
 
     if to == 1:

@@ -37,12 +37,12 @@ def sweep(
     import json
     from contextlib import nullcontext
 
-    from posflock_robotarium.progress import counted
+    from posflock_robotarium.flocking.progress import counted
     from posflock_robotarium.sweep.execution import execute, locally, on_cluster
-    from posflock_robotarium.sweep.figures import draw_study
     from posflock_robotarium.sweep.results import finished, of_other_code, write_tables
     from posflock_robotarium.sweep.store import Store
     from posflock_robotarium.sweep.study import read_study
+    from posflock_robotarium.sweep.study_figures import draw_study
 
     asked = read_study(study)
     folder = out or Path("results") / study.stem

@@ -57,7 +57,7 @@ def verify(
     from rich.console import Console
     from rich.progress import Progress
 
-    from posflock_robotarium.errors import ParameterError
+    from posflock_robotarium.flocking.errors import ParameterError
     from posflock_robotarium.verify import ablate
     from posflock_robotarium.verify import verify as run
     from posflock_robotarium.verify.pages import write_report

@@ -9,7 +9,7 @@ evidence     run everything that is judged or drawn, on all processors
 claims       a sentence of the paper, a number measured in the evidence, and the
              thresholds that turn the number into a verdict
 tables       the qualitative table with numbers, and the table over seeds
-figures      the paper's figures, with median and quartiles over seeds
+paper_figures  the paper's figures, with median and quartiles over seeds
 ===========  ==================================================================
 
 :func:`posflock_robotarium.paper.reproduction.reproduce` goes through all of them.

@@ -15,15 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from barrier_certificates import ties
-from posflock_robotarium.errors import ParameterError
-from posflock_robotarium.freespace import FreeSpace, Model, Recording, simulate_batch
-from posflock_robotarium.law import displacements, neighbours, phi
-from posflock_robotarium.measures import Measures, measure, stack, summarise
+from posflock_robotarium.alignment.point_agents import Measures, measure, stack, summarise
+from posflock_robotarium.alignment.summary import Summary
+from posflock_robotarium.flocking.errors import ParameterError
+from posflock_robotarium.flocking.law import displacements, neighbours, phi
+from posflock_robotarium.flocking.pose_log import Log
+from posflock_robotarium.freespace.sensing import Sensing
+from posflock_robotarium.freespace.simulation import FreeSpace, Model, Recording, simulate_batch
 from posflock_robotarium.paper.robots import drive
-from posflock_robotarium.poselog import Log
-from posflock_robotarium.sensing import Sensing
-from posflock_robotarium.summary import Summary
-from posflock_robotarium.workers import local_pool
+from posflock_robotarium.simulation.workers import local_pool
 
 Floats = NDArray[np.float64]
 

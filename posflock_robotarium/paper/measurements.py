@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from barrier_certificates import ties
-from posflock_robotarium.freespace import FreeSpace, Model, euler_step, simulate
-from posflock_robotarium.law import (
+from posflock_robotarium.flocking.law import (
     PAPER_SIMULATION,
     displacements,
     position_based_input,
     velocity_based_input,
 )
+from posflock_robotarium.freespace.simulation import FreeSpace, Model, euler_step, simulate
 from posflock_robotarium.paper.evidence import Evidence
 
 Floats = NDArray[np.float64]

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from posflock_robotarium.errors import OutputError
-from posflock_robotarium.freespace import FreeSpace
+from posflock_robotarium.flocking.errors import OutputError
+from posflock_robotarium.freespace.simulation import FreeSpace
 from posflock_robotarium.paper.claim import Judgement, Verdict
 from posflock_robotarium.paper.claims import judge_all
 from posflock_robotarium.paper.evidence import Evidence, gather
@@ -80,7 +80,7 @@ def reproduce(
     ParameterError
         Where `seeds` is less than 2.
     """
-    from posflock_robotarium.paper.figures import draw_all
+    from posflock_robotarium.paper.paper_figures import draw_all
 
     paths = _require_folder(folder)
     evidence = gather(

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from posflock_robotarium import metrics
-from posflock_robotarium.flock import Flock
-from posflock_robotarium.placement import random_poses
-from posflock_robotarium.poselog import Log
-from posflock_robotarium.summary import Summary, summarise
-from posflock_robotarium.trial import simulate
+from posflock_robotarium.alignment import metrics
+from posflock_robotarium.alignment.summary import Summary, summarise
+from posflock_robotarium.flocking.flock import Flock
+from posflock_robotarium.flocking.placement import random_poses
+from posflock_robotarium.flocking.pose_log import Log
+from posflock_robotarium.simulation.flock_trial import simulate
 
 Floats = NDArray[np.float64]
 

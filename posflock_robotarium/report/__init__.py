@@ -5,16 +5,16 @@ over time, numbers with units and definitions, faults by the testbed's own tests
 words. `compare` puts several side by side, `write_report` makes the page, figures and tables.
 """
 
-from posflock_robotarium.report.analysis import Analysis, AnalysisOptions, analyse, load
-from posflock_robotarium.report.comparison import Comparison, compare
-from posflock_robotarium.report.outputs import write_report
-from posflock_robotarium.report.readers import (
+from posflock_robotarium.alignment.analysis import Analysis, AnalysisOptions, analyse, load
+from posflock_robotarium.alignment.comparison import Comparison, compare
+from posflock_robotarium.logs.readers import (
     LayoutError,
     ReadOptions,
     Recording,
     read,
     read_parts,
 )
+from posflock_robotarium.report.outputs import write_report
 
 __all__ = [
     "Analysis",

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from posflock_robotarium.errors import OutputError
-from posflock_robotarium.report.analysis import Analysis
-from posflock_robotarium.report.comparison import Comparison, compare
+from posflock_robotarium.alignment.analysis import Analysis
+from posflock_robotarium.alignment.comparison import Comparison, compare
+from posflock_robotarium.flocking.errors import OutputError
 from posflock_robotarium.report.page import write_page
 from posflock_robotarium.report.words import number_text
 
@@ -84,7 +84,7 @@ def write_report(
     if latex:
         written.append(_write(folder / "table.tex", latex_table(analyses, comparison)))
     if figures:
-        from posflock_robotarium.report.figures import draw
+        from posflock_robotarium.report.curve_figures import draw
 
         written += draw(analyses, folder / "figures")
     return written

@@ -21,11 +21,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium import __version__
-from posflock_robotarium.errors import OutputError, ParameterError
-from posflock_robotarium.report.analysis import Analysis
-from posflock_robotarium.report.catalogue import BY_KEY, Panel, panels
-from posflock_robotarium.report.comparison import Comparison, compare
-from posflock_robotarium.report.verdicts import headline
+from posflock_robotarium.alignment.analysis import Analysis
+from posflock_robotarium.alignment.catalogue import BY_KEY, Panel, panels
+from posflock_robotarium.alignment.comparison import Comparison, compare
+from posflock_robotarium.alignment.verdicts import headline
+from posflock_robotarium.flocking.errors import OutputError, ParameterError
 from posflock_robotarium.report.words import number_text, unbroken
 
 Floats = NDArray[np.float64]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from posflock_robotarium.report.comparison import Comparison
+from posflock_robotarium.alignment.comparison import Comparison
 from posflock_robotarium.report.words import number_text
 
 WIDEST = 22

@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from barrier_certificates.ties import TIE
-from posflock_robotarium.drawing import BLUE, GREY
-from posflock_robotarium.errors import OutputError, ParameterError
-from posflock_robotarium.figures import ROBOT_LENGTH, ROBOT_WIDTH
-from posflock_robotarium.report.readers import Recording
+from posflock_robotarium.figures.style import BLUE, GREY
+from posflock_robotarium.flocking.errors import OutputError, ParameterError
+from posflock_robotarium.logs.readers import Recording
+from posflock_robotarium.testbed import ROBOT_LENGTH, ROBOT_WIDTH
 from rps_compat.arena import GTERNAL, RobotModel
 
 if TYPE_CHECKING:

@@ -17,12 +17,12 @@ from itertools import groupby, islice
 from pathlib import Path
 
 from posflock_robotarium import __version__
-from posflock_robotarium.errors import PosflockError
+from posflock_robotarium.flocking.errors import PosflockError
+from posflock_robotarium.simulation.workers import local_pool, processors
 from posflock_robotarium.sweep.experiments import find
 from posflock_robotarium.sweep.sources import code_of, load
 from posflock_robotarium.sweep.store import Row, Store
 from posflock_robotarium.sweep.study import Run, Study
-from posflock_robotarium.workers import local_pool, processors
 
 #: What computes one batch, and what has it compute all batches, in any order.
 Job = Callable[[Sequence[Run]], list[Row]]

@@ -23,8 +23,8 @@ from typing import Any
 
 import numpy as np
 
-from posflock_robotarium.errors import ParameterError
-from posflock_robotarium.law import LawParameters
+from posflock_robotarium.flocking.errors import ParameterError
+from posflock_robotarium.flocking.law import LawParameters
 
 Value = bool | int | float | str
 Parameters = Mapping[str, Value]

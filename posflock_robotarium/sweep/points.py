@@ -8,11 +8,17 @@ from functools import partial
 
 import numpy as np
 
-from posflock_robotarium.errors import ParameterError
-from posflock_robotarium.freespace import Floats, FreeSpace, Model, OwnLaw, simulate_batch
-from posflock_robotarium.law import PAPER_SIMULATION
-from posflock_robotarium.measures import measure, summarise
-from posflock_robotarium.sensing import Sensing
+from posflock_robotarium.alignment.point_agents import measure, summarise
+from posflock_robotarium.flocking.errors import ParameterError
+from posflock_robotarium.flocking.law import PAPER_SIMULATION
+from posflock_robotarium.freespace.sensing import Sensing
+from posflock_robotarium.freespace.simulation import (
+    Floats,
+    FreeSpace,
+    Model,
+    OwnLaw,
+    simulate_batch,
+)
 from posflock_robotarium.sweep.experiments import (
     Experiment,
     Outcome,
@@ -44,7 +50,8 @@ def register_law(
     name, summary : str
         Of the experiment.
     law : function of (Sensed, LawParameters, *own)
-        Computes the input, (B, d, n) in m/s², see :class:`posflock_robotarium.freespace.FreeSpace`.
+        Computes the input, (B, d, n) in m/s², see
+        :class:`posflock_robotarium.freespace.simulation.FreeSpace`.
     own : dict of str to value, optional
         Parameters of the law alone, handed to it by name, with their defaults.
 

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from posflock_robotarium.errors import OutputError
+from posflock_robotarium.flocking.errors import OutputError
 from posflock_robotarium.sweep.store import Row, Store
 from posflock_robotarium.sweep.study import Study
 

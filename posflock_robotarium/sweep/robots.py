@@ -8,11 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
-from posflock_robotarium.errors import ParameterError
-from posflock_robotarium.flock import Flock
-from posflock_robotarium.law import PAPER_EXPERIMENT
-from posflock_robotarium.placement import random_poses
-from posflock_robotarium.summary import summarise
+from posflock_robotarium.alignment.summary import summarise
+from posflock_robotarium.flocking.errors import ParameterError
+from posflock_robotarium.flocking.flock import Flock
+from posflock_robotarium.flocking.law import PAPER_EXPERIMENT
+from posflock_robotarium.flocking.placement import random_poses
+from posflock_robotarium.simulation.flock_trial import simulate
 from posflock_robotarium.sweep.experiments import (
     Experiment,
     Outcome,
@@ -22,7 +23,6 @@ from posflock_robotarium.sweep.experiments import (
     number,
     register,
 )
-from posflock_robotarium.trial import simulate
 from rps_compat.profiles import NAMES, load_profile, profile_text
 from rps_compat.realism import Profile
 

@@ -18,9 +18,9 @@ from pathlib import Path
 from types import CodeType
 from typing import Any
 
-from posflock_robotarium.errors import PosflockError
-from posflock_robotarium.import_graph import imports
+from posflock_robotarium.flocking.errors import PosflockError
 from posflock_robotarium.sweep.experiments import Experiment
+from rps_compat.scripts.import_graph import imports
 from rps_compat.scripts.source import read_script
 
 _OURS = ("posflock_robotarium", "rps_compat", "barrier_certificates")

@@ -31,7 +31,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from posflock_robotarium.errors import OutputError, PosflockError
+from posflock_robotarium.flocking.errors import OutputError, PosflockError
 
 Row = dict[str, Any]
 

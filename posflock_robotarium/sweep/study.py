@@ -43,7 +43,7 @@ from typing import Any
 
 import numpy as np
 
-from posflock_robotarium.errors import ParameterError, PosflockError
+from posflock_robotarium.flocking.errors import ParameterError, PosflockError
 from posflock_robotarium.sweep.experiments import Experiment, Value, find
 from posflock_robotarium.sweep.sources import ModuleError, code_of, load
 

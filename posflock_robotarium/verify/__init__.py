@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from posflock_robotarium import testbed
-from posflock_robotarium.errors import ParameterError
+from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.verify import judge, static
 from posflock_robotarium.verify.findings import (
     Finding,

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from posflock_robotarium.errors import OutputError
+from posflock_robotarium.flocking.errors import OutputError
 from posflock_robotarium.verify.findings import CODES, count
 from posflock_robotarium.verify.terminal import figure_lines
 

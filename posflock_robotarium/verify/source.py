@@ -9,8 +9,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from posflock_robotarium import import_graph
 from posflock_robotarium.verify.constants import constants_of
+from rps_compat.scripts import import_graph
 from rps_compat.scripts.program import Program
 from rps_compat.scripts.source import Script
 from rps_compat.scripts.uses import Use, constructor_arguments, uses_in

@@ -1,0 +1,432 @@
+"""What a run was, computed once: curves, numbers, faults and verdicts, to save, reload, compare.
+
+>>> import numpy as np
+>>> from posflock_robotarium.report import Recording, analyse
+>>> t = np.arange(100) * 0.033
+>>> poses = np.zeros((100, 3, 2))
+>>> poses[:, 0] = 0.1 * t[:, np.newaxis]
+>>> poses[:, 1] = [0.0, 0.4]
+>>> analysis = analyse(Recording("pair", t, poses), radius=0.75)
+>>> analysis.numbers["gamma_motion"].value
+1.0
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import os
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from posflock_robotarium.alignment.curves import Curves, compute
+from posflock_robotarium.alignment.estimators import ESTIMATORS, WINDOW, estimate
+from posflock_robotarium.alignment.metrics import SLOWEST
+from posflock_robotarium.alignment.numbers import Number, Situation, numbers_of
+from posflock_robotarium.alignment.verdicts import Verdict, verdicts_of
+from posflock_robotarium.flocking.errors import LogError, OutputError, ParameterError
+from posflock_robotarium.flocking.flock import WALLS
+from posflock_robotarium.logs.readers import ReadOptions, Recording, read
+from posflock_robotarium.logs.readers.numpy_files import read_npz
+from rps_compat.arena import GRITSBOT_X, GTERNAL, RobotModel
+from rps_compat.violations import Event
+
+Floats = NDArray[np.float64]
+
+FORMAT = "posflock analysis 1"
+
+SETTLE = 20.0
+"""Seconds after which a flock should have aligned, unless it is told otherwise."""
+
+
+@dataclass(frozen=True)
+class AnalysisOptions:
+    """What an analysis may be told.
+
+    Parameters
+    ----------
+    radius : float or tuple of float, optional
+        Neighbour radius in metres, one or one a robot; taken from the log where it has one.
+    window : float
+        Seconds of the Savitzky-Golay window.
+    slowest : float
+        Speed in m/s up to which a robot has no direction of motion. See `metrics.SLOWEST`.
+    threshold : float
+        γ from which the flock counts as aligned.
+    settle : float, optional
+        Seconds at the start that summaries named "settled" leave out; by default `SETTLE`, and
+        nothing of a run that is shorter.
+
+    Raises
+    ------
+    ParameterError
+        When a value is not finite or outside its range.
+    """
+
+    radius: float | tuple[float, ...] | None = None
+    window: float = WINDOW
+    slowest: float = SLOWEST
+    threshold: float = 0.9
+    settle: float | None = None
+
+    def __post_init__(self) -> None:
+        for name, low in (("window", 0.0), ("slowest", 0.0), ("settle", 0.0)):
+            value = getattr(self, name)
+            if value is None and name == "settle":
+                continue
+            if not (math.isfinite(value) and value >= low) or (name == "window" and value <= 0):
+                raise ParameterError(f"{name} is {value}; expected a finite number above {low:g}")
+        if not -1.0 <= self.threshold <= 1.0:
+            raise ParameterError(f"threshold is {self.threshold}; γ lies between -1 and 1")
+        radii = np.atleast_1d(np.asarray(1.0 if self.radius is None else self.radius, dtype=float))
+        if not (np.isfinite(radii).all() and (radii > 0).all()):
+            raise ParameterError(f"neighbour radius is {self.radius}; expected metres above 0")
+
+
+@dataclass(frozen=True, eq=False)
+class Analysis:
+    """The result of `analyse`.
+
+    Attributes
+    ----------
+    recording : Recording
+        What was analysed.
+    options : AnalysisOptions
+        With what; its radius is the one that was used.
+    robot : RobotModel
+        Collision test, wheels and arena of the testbed.
+    generation : str
+        Which robot that is, in words.
+    estimators : dict of str
+        Estimator to the sentence that describes it.
+    curves : dict of ndarray, shape (T,)
+        Values over time by the key of their `catalogue.Quantity`; NaN where undefined.
+    numbers : dict of Number
+        Every scalar of the summary, with unit and definition.
+    events : tuple of Event
+        Collisions and boundary crossings in the order in which they began.
+    verdicts : tuple of Verdict
+        The run in sentences.
+    """
+
+    recording: Recording
+    options: AnalysisOptions
+    robot: RobotModel
+    generation: str
+    estimators: Mapping[str, str]
+    curves: Mapping[str, Floats]
+    numbers: Mapping[str, Number]
+    events: tuple[Event, ...] = field(repr=False)
+    verdicts: tuple[Verdict, ...]
+
+    @property
+    def name(self) -> str:
+        """What the run is called."""
+        return self.recording.name
+
+    @property
+    def origin(self) -> str:
+        """Where the poses come from: ``simulation``, ``testbed`` or ``unknown``."""
+        simulated = self.recording.parameters.get("simulated")
+        if isinstance(simulated, bool):
+            return "simulation" if simulated else "testbed"
+        return "unknown"
+
+    @property
+    def walls(self) -> str:
+        """What kept the flock off the walls, in words; empty where the log does not say."""
+        return WALLS.get(str(self.recording.parameters.get("walls", "")), "")
+
+    @property
+    def settled(self) -> NDArray[np.bool_]:
+        """Samples that count for the numbers named "settled"."""
+        return settled_samples(self.recording.t, self.options.settle)
+
+    def summary(self) -> dict[str, Any]:
+        """Return everything but the curves, ready for JSON (NaN becomes null).
+
+        Returns
+        -------
+        dict
+            Run, how it was read, estimators, options, numbers, statistics, events, verdicts.
+        """
+        recording = self.recording
+        summary: dict[str, Any] = _plain(
+            {
+                "format": FORMAT,
+                "run": self.name,
+                "sources": list(recording.sources),
+                "how_it_was_read": list(recording.notes),
+                "origin": self.origin,
+                "robot": {"generation": self.generation, **dataclasses.asdict(self.robot)},
+                "options": dataclasses.asdict(self.options),
+                "estimators": dict(self.estimators),
+                "numbers": {
+                    key: dataclasses.asdict(number) for key, number in self.numbers.items()
+                },
+                "statistics": {key: statistics(curve) for key, curve in self.curves.items()},
+                "events": [dataclasses.asdict(event) for event in self.events],
+                "verdicts": [dataclasses.asdict(verdict) for verdict in self.verdicts],
+                "parameters": dict(recording.parameters),
+            }
+        )
+        return summary
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Save poses, curves and summary in one ``.npz`` that `load` reads back, bit for bit.
+
+        Raises
+        ------
+        OutputError
+            When the file cannot be written.
+        """
+        target = Path(path)
+        recording = self.recording
+        arrays: dict[str, NDArray[Any]] = {
+            "t": recording.t,
+            "poses": recording.poses,
+            "analysis": np.frombuffer(json.dumps(self.summary()).encode(), dtype=np.uint8),
+        }
+        for name in ("command", "moved", "smallest_h", "status"):
+            values = getattr(recording, name)
+            if values is not None:
+                arrays[name] = values
+        arrays |= {f"curve_{key}": curve for key, curve in self.curves.items()}
+        try:
+            with target.open("wb") as file:
+                np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
+        except OSError as error:
+            raise OutputError(f"{target}: cannot be written ({error.strerror})") from error
+        return target
+
+
+def settled_samples(t: Floats, settle: float | None) -> NDArray[np.bool_]:
+    """Return which samples come later than `settle` seconds; all of them in a shorter run."""
+    elapsed = t - t[0]
+    settle = SETTLE if settle is None else settle
+    return elapsed > settle if elapsed[-1] > settle else np.ones(len(t), dtype=bool)
+
+
+def analyse(
+    log: Recording | str | os.PathLike[str],
+    options: AnalysisOptions | None = None,
+    *,
+    radius: float | None = None,
+    read_options: ReadOptions | None = None,
+) -> Analysis:
+    """Analyse one run.
+
+    Parameters
+    ----------
+    log : Recording or path
+        What to analyse; a path is read by `readers.read`.
+    options : AnalysisOptions, optional
+        Radius, window and thresholds.
+    radius : float, optional
+        Short for ``AnalysisOptions(radius=radius)``.
+    read_options : ReadOptions, optional
+        What the file does not say itself.
+
+    Returns
+    -------
+    Analysis
+        Curves, numbers, events, verdicts.
+
+    Raises
+    ------
+    LogError
+        When the log cannot be read, or its neighbour radius is known from nowhere.
+    ParameterError
+        When the run ends before the time that it was given to settle.
+    """
+    options = options or AnalysisOptions()
+    if radius is not None:
+        options = dataclasses.replace(options, radius=radius)
+    recording = log if isinstance(log, Recording) else read(log, read_options)
+    options = dataclasses.replace(options, radius=_radius(recording, options))
+    if options.settle is not None and options.settle >= recording.t[-1] - recording.t[0]:
+        raise ParameterError(
+            f"{recording.name}: --settle is {options.settle:g} s, but the run ends after "
+            f"{recording.t[-1] - recording.t[0]:.2f} s: nothing is left to take means over; "
+            "give less, or leave it out"
+        )
+    robot, generation = robot_of(recording)
+    motions = {name: estimate(recording, name, options.window) for name in ESTIMATORS}
+    reach = np.asarray(options.radius, dtype=float)
+    curves = compute(
+        recording, motions, float(reach) if reach.ndim == 0 else reach, options.slowest, robot
+    )
+    numbers, verdicts = _judge(recording, options, robot, curves)
+    return Analysis(
+        recording=recording,
+        options=options,
+        robot=robot,
+        generation=generation,
+        estimators={name: motion.description for name, motion in motions.items()},
+        curves=curves.values,
+        numbers=numbers,
+        events=tuple(curves.violations.events),
+        verdicts=verdicts,
+    )
+
+
+def load(path: str | os.PathLike[str]) -> Analysis:
+    """Read an analysis back that `Analysis.save` wrote.
+
+    Raises
+    ------
+    LogError
+        When the file is none, or is damaged.
+    """
+    target = Path(path)
+    if not target.is_file():
+        raise LogError(f"{target}: no such file")
+    arrays = read_npz(target)
+    try:
+        summary = json.loads(arrays["analysis"].tobytes().decode())
+        if summary["format"] != FORMAT:
+            raise LogError(f"{target}: format {summary['format']!r}, expected {FORMAT!r}")
+        recording = Recording(
+            name=summary["run"],
+            t=arrays["t"],
+            poses=arrays["poses"],
+            command=arrays.get("command"),
+            moved=arrays.get("moved"),
+            smallest_h=arrays.get("smallest_h"),
+            status=arrays.get("status"),
+            parameters=summary["parameters"],
+            notes=tuple(summary["how_it_was_read"]),
+            sources=tuple(summary["sources"]),
+        )
+        options = dict(summary["options"])
+        if isinstance(options["radius"], list):
+            options["radius"] = tuple(options["radius"])
+        robot = dict(summary["robot"])
+        generation = robot.pop("generation")
+        robot["boundaries"] = tuple(robot["boundaries"])
+        return Analysis(
+            recording=recording,
+            options=AnalysisOptions(**options),
+            robot=RobotModel(**robot),
+            generation=generation,
+            estimators=summary["estimators"],
+            curves={k[6:]: v for k, v in arrays.items() if k.startswith("curve_")},
+            numbers={key: Number(**_restored(n)) for key, n in summary["numbers"].items()},
+            events=tuple(
+                Event(**{**event, "robots": tuple(event["robots"])}) for event in summary["events"]
+            ),
+            verdicts=tuple(Verdict(**verdict) for verdict in summary["verdicts"]),
+        )
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise LogError(f"{target}: not a saved analysis ({error!r})") from error
+
+
+def is_analysis(path: str | os.PathLike[str]) -> bool:
+    """Tell whether a file is a saved analysis and not a log."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return "analysis.npy" in archive.namelist()
+    except (OSError, zipfile.BadZipFile):
+        return False
+
+
+def statistics(curve: Floats) -> dict[str, float | int]:
+    """Return mean, standard deviation, smallest, largest and how many samples are undefined."""
+    known = curve[np.isfinite(curve)]
+    if not known.size:
+        return {key: float("nan") for key in ("mean", "sd", "smallest", "largest")} | {
+            "undefined": len(curve)
+        }
+    return {
+        "mean": float(known.mean()),
+        "sd": float(known.std()),
+        "smallest": float(known.min()),
+        "largest": float(known.max()),
+        "undefined": int(len(curve) - known.size),
+    }
+
+
+def robot_of(recording: Recording) -> tuple[RobotModel, str]:
+    """Return the robot that the log says it was, with the log's own arena if it names one."""
+    asked = recording.parameters.get("api_generation")
+    if asked == 1:
+        model, words = GRITSBOT_X, "generation 1 (GRITSBot X)"
+    else:
+        model = GTERNAL
+        words = "generation 2 (GTernal)" + ("" if asked == 2 else ", assumed")
+    arena = recording.parameters.get("arena")
+    if isinstance(arena, (list, tuple)) and len(arena) == 4:
+        try:
+            left, right, bottom, top = (float(edge) for edge in arena)
+        except (TypeError, ValueError):
+            return model, words
+        if left < right and bottom < top and math.isfinite(left + right + bottom + top):
+            model = dataclasses.replace(model, boundaries=(left, right, bottom, top))
+    return model, words
+
+
+def _judge(
+    recording: Recording, options: AnalysisOptions, robot: RobotModel, curves: Curves
+) -> tuple[dict[str, Number], tuple[Verdict, ...]]:
+    situation = Situation(
+        recording=recording,
+        curves=curves,
+        robot=robot,
+        settled=settled_samples(recording.t, options.settle),
+        slowest=options.slowest,
+        threshold=options.threshold,
+        window=options.window,
+    )
+    numbers = numbers_of(situation)
+    return numbers, verdicts_of(recording, numbers, options.threshold, options.slowest)
+
+
+def _radius(recording: Recording, options: AnalysisOptions) -> float | tuple[float, ...]:
+    radius = options.radius
+    if radius is None:
+        radius = recording.parameters.get("neighbour_radius")
+    if radius is None:
+        raise LogError(
+            f"{recording.name}: the log does not say the neighbour radius; "
+            "give it in metres with --radius (0.75 in the nine-robot experiment)"
+        )
+    try:
+        values = np.asarray(radius, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise LogError(f"{recording.name}: neighbour radius {radius!r} is no number") from error
+    if values.ndim > 1 or (values.ndim == 1 and len(values) != recording.robots):
+        raise LogError(
+            f"{recording.name}: neighbour radius of shape {values.shape} for "
+            f"{recording.robots} robots; expected one, or one a robot"
+        )
+    if not (np.isfinite(values).all() and (values > 0).all()):
+        raise LogError(f"{recording.name}: neighbour radius {radius!r}; expected metres above 0")
+    return float(values) if values.ndim == 0 else tuple(values.tolist())
+
+
+def _plain(value: Any) -> Any:
+    """Turn numpy values into JSON's own, and what JSON cannot say (NaN, infinity) into null."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.ndarray):
+        return _plain(value.tolist())
+    if isinstance(value, np.generic):
+        return _plain(value.item())
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if value is None or isinstance(value, (bool, int, str)):
+        return value
+    return str(value)
+
+
+def _restored(number: Mapping[str, Any]) -> dict[str, Any]:
+    return {k: float("nan") if k == "value" and v is None else v for k, v in number.items()}

@@ -1,0 +1,202 @@
+r"""Flocks whose γ is known exactly, seen through a tracking system that jitters.
+
+An estimator is only as good as its error against truth. Five motions with closed-form γ are
+sampled at the testbed's rate and given its noise; `errors` then says how far each estimator is off.
+
+========== ==================================================== ==============================
+motion     what the robots do                                   true γ
+========== ==================================================== ==============================
+parallel   straight on, all in one direction                    1
+counter    straight on, every other one backwards               :math:`-1/(N-1)`, N even
+rotating   on a ring, nearest two as neighbours                 :math:`\cos(2\pi/N)`
+random     straight on, each in a direction of its own          :math:`(‖Σe_i‖^2 - N)/(N(N-1))`
+stopped    nothing, headings parallel                           headings 1, motion undefined
+========== ==================================================== ==============================
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from posflock_robotarium.alignment.analysis import AnalysisOptions, analyse
+from posflock_robotarium.flocking.errors import ParameterError
+from posflock_robotarium.logs.readers import Recording
+
+Floats = NDArray[np.float64]
+
+MOTIONS = ("parallel", "counter", "rotating", "random", "stopped")
+POSITION_NOISE = 0.0005
+"""Metres, standard deviation of each coordinate."""
+
+HEADING_NOISE = 0.0015
+"""Radians."""
+
+STEP = 0.033
+EVERYBODY = 100.0
+"""Neighbour radius in metres that makes every robot a neighbour of every other."""
+
+
+@dataclass(frozen=True, eq=False)
+class KnownFlock:
+    """A recording and the γ it must yield."""
+
+    recording: Recording
+    radius: float
+    gamma_headings: float
+    gamma_motion: float
+
+
+def known_flock(
+    motion: str,
+    speed: float,
+    *,
+    robots: int = 10,
+    duration: float = 60.0,
+    position_noise: float = POSITION_NOISE,
+    heading_noise: float = HEADING_NOISE,
+    seed: int = 0,
+) -> KnownFlock:
+    """Return a flock of known γ.
+
+    Parameters
+    ----------
+    motion : str
+        One of `MOTIONS`.
+    speed : float
+        m/s.
+    robots : int
+        Number of robots, even and at least 4.
+    duration : float
+        Seconds.
+    position_noise, heading_noise : float
+        Standard deviations in metres and radians.
+    seed : int
+        Of noise, places and random directions.
+
+    Returns
+    -------
+    KnownFlock
+        Noisy poses, the neighbour radius to use, and the truth.
+
+    Raises
+    ------
+    ParameterError
+        For an unknown motion or an odd number of robots.
+    """
+    if motion not in MOTIONS:
+        raise ParameterError(f"motion {motion!r} is none of {', '.join(MOTIONS)}")
+    if robots < 4 or robots % 2:
+        raise ParameterError(f"{robots} robots; expected an even number, at least 4")
+    rng = np.random.default_rng(seed)
+    t: Floats = STEP * np.arange(round(duration / STEP), dtype=float)
+    start = rng.uniform(-1.0, 1.0, (2, robots))
+    radius = EVERYBODY
+    if motion == "rotating":
+        ring = 0.8
+        angle = 2 * np.pi * np.arange(robots) / robots + speed / ring * t[:, np.newaxis]
+        positions = ring * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        headings = angle + np.pi / 2
+        # Between the chord to the next robot and the chord to the one after.
+        radius = ring * (np.sin(np.pi / robots) + np.sin(2 * np.pi / robots))
+        gamma = float(np.cos(2 * np.pi / robots))
+    else:
+        angles = {
+            "parallel": np.full(robots, 0.7),
+            "counter": 0.7 + np.pi * (np.arange(robots) % 2),
+            "random": rng.uniform(-np.pi, np.pi, robots),
+            "stopped": np.full(robots, 0.7),
+        }[motion]
+        unit = np.stack([np.cos(angles), np.sin(angles)])
+        travelled = (0.0 if motion == "stopped" else speed) * t
+        positions = start + travelled[:, np.newaxis, np.newaxis] * unit
+        headings = np.broadcast_to(angles, (len(t), robots))
+        together = float(np.square(unit.sum(axis=1)).sum())
+        gamma = (together - robots) / (robots * (robots - 1))
+    poses: Floats = np.concatenate([positions, headings[:, np.newaxis]], axis=1)
+    poses[:, :2] += position_noise * rng.standard_normal(poses[:, :2].shape)
+    poses[:, 2] += heading_noise * rng.standard_normal(poses[:, 2].shape)
+    moving = float("nan") if motion == "stopped" else gamma
+    return KnownFlock(
+        Recording(f"{motion} {speed:g}", t, poses),
+        float(radius),
+        gamma,
+        moving,
+    )
+
+
+@dataclass(frozen=True)
+class EstimatorError:
+    """What one estimator makes of one flock.
+
+    Attributes
+    ----------
+    motion, speed, estimator
+        Which.
+    truth, estimate : float
+        γ, mean over time; NaN where undefined.
+    left_out : float
+        Mean share of robots that the estimate does not count.
+    """
+
+    motion: str
+    speed: float
+    estimator: str
+    truth: float
+    estimate: float
+    left_out: float
+
+    @property
+    def error(self) -> float:
+        """Estimate less truth."""
+        return self.estimate - self.truth
+
+
+def errors(
+    motions: tuple[str, ...] = MOTIONS,
+    speeds: tuple[float, ...] = (0.05, 0.1, 0.2),
+    *,
+    position_noise: float = POSITION_NOISE,
+    heading_noise: float = HEADING_NOISE,
+    seed: int = 0,
+) -> list[EstimatorError]:
+    """Return the error of every estimator for every motion and speed.
+
+    Parameters
+    ----------
+    motions, speeds : tuple
+        Which flocks.
+    position_noise, heading_noise : float
+        Standard deviations in metres and radians.
+    seed : int
+        Of the flocks.
+    """
+    found = []
+    for motion in motions:
+        for speed in (0.0,) if motion == "stopped" else speeds:
+            flock = known_flock(
+                motion,
+                speed,
+                position_noise=position_noise,
+                heading_noise=heading_noise,
+                seed=seed,
+            )
+            analysis = analyse(flock.recording, AnalysisOptions(radius=flock.radius, settle=0.0))
+            for short, truth in (
+                ("headings", flock.gamma_headings),
+                ("motion", flock.gamma_motion),
+                ("differences", flock.gamma_motion),
+            ):
+                found.append(
+                    EstimatorError(
+                        motion,
+                        speed,
+                        short,
+                        truth,
+                        analysis.numbers[f"gamma_{short}"].value,
+                        analysis.numbers[f"left_out_{short}"].value,
+                    )
+                )
+    return found

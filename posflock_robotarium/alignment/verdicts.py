@@ -1,0 +1,362 @@
+"""The run in sentences: whether it aligned, stayed together and safe, and how sure that is.
+
+A verdict is judged by motion and never by headings alone: a flock that has parked at a wall has
+parallel headings, a γ from headings near one, and does not flock.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from barrier_certificates import ties
+from posflock_robotarium.alignment.metrics import SMOOTHING_POINTS
+from posflock_robotarium.alignment.numbers import Number
+from posflock_robotarium.logs.readers import Recording
+
+Mark = Literal["good", "caution", "bad", "unknown"]
+
+MOSTLY = 0.5
+"""A flock of which more than this share stands, stands."""
+
+FEWEST_SAMPLES = SMOOTHING_POINTS
+"""Poses over time without which a direction of motion is mostly noise."""
+
+SOME = 0.1
+"""A share too large to pass over in silence."""
+
+WRONG_HEADINGS = 0.35
+"""Radians (20°) between headings and motion that no tracking offset explains."""
+
+DOUBTFUL_HEADINGS = 0.15
+"""The same (9°) where headings begin at values that are no angles in radians."""
+
+SURE = "How sure are we?"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """One sentence about the run.
+
+    Attributes
+    ----------
+    question : str
+        What it answers.
+    mark : {'good', 'caution', 'bad', 'unknown'}
+        How the run does.
+    answer : str
+        A few words.
+    because : str
+        The figures it rests on.
+    short : str
+        One or two words for a headline or a table of runs; empty for the lesser questions.
+    """
+
+    question: str
+    mark: Mark
+    answer: str
+    because: str
+    short: str = ""
+
+
+def verdicts_of(
+    recording: Recording, numbers: Mapping[str, Number], threshold: float, slowest: float
+) -> tuple[Verdict, ...]:
+    """Judge a run by its numbers.
+
+    Parameters
+    ----------
+    recording : Recording
+        For what the log says about how the run ended.
+    numbers : mapping of Number
+        From `numbers.numbers_of`.
+    threshold : float
+        γ from which the flock counts as aligned.
+    slowest : float
+        Speed in m/s up to which a robot stands.
+
+    Returns
+    -------
+    tuple of Verdict
+        Aligned? Together? Safe? Within limits? How sure? The whole run?
+    """
+    value = {key: float(number.value) for key, number in numbers.items()}
+    verdicts = [_aligned(value, threshold, slowest), _together(value), _safe(value)]
+    verdicts += _limits(value)
+    verdicts.append(_in_degrees(recording, value) or _sure(value))
+    verdicts += _complete(recording, value)
+    return tuple(verdicts)
+
+
+def headline(verdicts: tuple[Verdict, ...]) -> str:
+    """Return the run in a few words: ``aligned, together, safe``."""
+    return ", ".join(verdict.short for verdict in verdicts if verdict.short)
+
+
+def _aligned(v: Mapping[str, float], threshold: float, slowest: float) -> Verdict:
+    question = "Did the flock align?"
+    motion, headings = v["gamma_motion"], v["gamma_headings"]
+    if v["robots"] < 2:
+        return Verdict(question, "unknown", "One robot has nobody to align with.", "", "alone")
+    if v["left_out_headings"] >= 1.0:
+        because = "γ is undefined without neighbours."
+        return Verdict(question, "unknown", "No robot had a neighbour.", because, "no neighbours")
+    if v["samples"] < FEWEST_SAMPLES:
+        because = f"{int(v['samples'])} poses over time do not tell motion from tracking noise."
+        return Verdict(question, "unknown", "Too short to tell.", because, "too short")
+    if ties.beyond(v["standing"], MOSTLY) or ties.beyond(v["standing_end"], MOSTLY):
+        return _parked(v, threshold, slowest)
+    because = f"{_both(motion, headings)}. {_when(v, threshold)}"
+    if v["left_out_motion"] > 0.005:
+        because += (
+            f" γ from motion leaves out {_pc(v['left_out_motion'])} of the robots as too slow to "
+            "have a direction, or without a neighbour that moves."
+        )
+    moves_aligned = ties.reached(motion, threshold)
+    points_aligned = ties.reached(headings, threshold)
+    if moves_aligned and points_aligned:
+        if stood := int(v["robots_standing"]):
+            because += f" {stood} of {v['robots']:g} robots stood over half the time."
+        many_stand = stood or ties.beyond(v["standing"], SOME)
+        if many_stand or ties.beyond(v["left_out_motion"], 0.25):
+            return Verdict(question, "caution", "Those that moved did.", because, "partly aligned")
+        if ties.short_of(v["steadiness_motion"], 0.75):
+            answer = "On average, not steadily."
+            return Verdict(question, "caution", answer, because, "unsteadily aligned")
+        return Verdict(question, "good", "Yes.", because, "aligned")
+    if points_aligned:
+        answer = "No: headings are parallel, motion is not."
+        return Verdict(question, "bad", answer, because, "not aligned in motion")
+    if moves_aligned:
+        answer = "Motion did, headings did not: some drive backwards, or headings are wrong."
+        return Verdict(question, "caution", answer, because, "aligned in motion only")
+    return Verdict(question, "bad", "No.", because, "not aligned")
+
+
+def _parked(v: Mapping[str, float], threshold: float, slowest: float) -> Verdict:
+    """Say that the flock stands, whatever its headings do."""
+    motion, headings, standing = v["gamma_motion"], v["gamma_headings"], v["standing"]
+    if ties.beyond(standing, 0.95):
+        answer, short = "No: nothing moves.", "parked"
+    elif ties.beyond(standing, MOSTLY):
+        answer, short = "No: the flock stands most of the time.", "mostly parked"
+    else:
+        answer, short = "No: it came to a stop.", "came to a stop"
+    because = (
+        f"Robots are slower than {slowest:g} m/s for {_pc(standing)} of the time, and "
+        f"{_pc(v['standing_end'])} of them over the last tenth of the run. "
+    )
+    because += (
+        f"Headings are parallel (γ from headings {_g(headings)}), as those of parked robots may "
+        "be; that is not flocking. "
+        if ties.reached(headings, threshold)
+        else f"γ from headings is {_g(headings)}. "
+    )
+    because += (
+        "γ from motion is undefined, since nobody moves."
+        if math.isnan(motion)
+        else f"γ from motion is {_g(motion)}, over the robots that move."
+    )
+    return Verdict("Did the flock align?", "bad", answer, because, short)
+
+
+def _both(motion: float, headings: float) -> str:
+    return f"γ from motion {_g(motion)}, from headings {_g(headings)} once settled"
+
+
+def _when(v: Mapping[str, float], threshold: float) -> str:
+    if math.isnan(v["time_to_alignment_motion"]):
+        return f"γ from motion never reached {threshold:g}."
+    for_good = v["time_aligned_for_good_motion"]
+    lasting = "" if math.isnan(for_good) else f", and from {for_good:.1f} s on for good"
+    return (
+        f"γ from motion was {threshold:g} or more for {_pc(v['share_aligned_motion'])} of the "
+        f"run{lasting}."
+    )
+
+
+def _together(v: Mapping[str, float]) -> Verdict:
+    question = "Did it stay together?"
+    if v["robots"] < 2:
+        return Verdict(question, "unknown", "One robot.", "")
+    ratio = v["cohesive_radius_ratio"]
+    varying = "" if math.isnan(ratio) else f", varying by a factor of {ratio:.2f}"
+    radius = f"The cohesive radius is {v['cohesive_radius']:.2f} m{varying}."
+    if v["components"] <= 1:
+        because = f"Algebraic connectivity never below {v['algebraic_connectivity']:.2g}. {radius}"
+        return Verdict(question, "good", "Yes, one group throughout.", because, "together")
+    share = v["connected"]
+    because = (
+        f"One group for {_pc(share)} of the time, up to {int(v['components'])} groups. {radius}"
+    )
+    if ties.reached(share, 0.9):
+        return Verdict(question, "caution", "Nearly always.", because, "mostly together")
+    answer = "No." if ties.short_of(share, MOSTLY) else "Not always."
+    return Verdict(question, "bad", answer, because, "split")
+
+
+def _safe(v: Mapping[str, float]) -> Verdict:
+    question = "Was it safe?"
+    counts = (
+        (int(v.get("collisions", 0)), "collision"),
+        (int(v["boundary_events"]), "boundary crossing"),
+    )
+    nearest = v["smallest_wall_distance"]
+    because = (
+        f"Centres came no nearer to a wall than {max(nearest, 0.0):.3f} m."
+        if ties.reached(nearest, 0.0)
+        else f"A centre was {-nearest:.3f} m outside the arena."
+    )
+    if "smallest_distance" in v:
+        because = (
+            f"Centres never closer than {v['smallest_distance']:.3f} m, collision points "
+            f"{v['smallest_collision_distance']:.3f} m. {because}"
+        )
+    faults = " and ".join(f"{n} {word}{'s' if n > 1 else ''}" for n, word in counts if n)
+    if faults:
+        return Verdict(question, "bad", f"No: {faults}.", because, f"unsafe: {faults}")
+    return Verdict(question, "good", "Yes: no collision, nobody outside.", because, "safe")
+
+
+def _limits(v: Mapping[str, float]) -> Iterator[Verdict]:
+    question = "Within the robots' limits?"
+    if "wheel_excess" not in v:
+        yield Verdict(
+            question,
+            "unknown",
+            "Unknown: no commands in the log.",
+            "Wheel limits, stalls and interventions cannot be judged from poses.",
+        )
+        return
+    faults = []
+    if v["wheel_excess"] > 0:
+        faults.append(
+            f"{int(v['wheel_excess_steps'])} steps ask a wheel for up to "
+            f"{v['wheel_excess']:.2f} rad/s too much"
+        )
+    if v["stalls"]:
+        faults.append(f"{int(v['stalls'])} stalls, {v['stall_time']:.1f} s in all")
+    if v.get("unsolved"):
+        faults.append(f"{int(v['unsolved'])} steps whose certificate had no exact solution")
+    helped = (
+        f"The certificate intervened in {_pc(v['interventions'])} of the steps, by up to "
+        f"{v['intervention_largest']:.3f} m/s."
+        if "interventions" in v
+        else ""
+    )
+    if faults:
+        text = "; ".join(faults)
+        yield Verdict(
+            question,
+            "bad" if v["wheel_excess"] > 0 else "caution",
+            "Not throughout.",
+            f"{text[0].upper()}{text[1:]}. {helped}".strip(),
+        )
+    else:
+        yield Verdict(question, "good", "Yes.", f"No wheel over its limit, no stall. {helped}")
+
+
+def _in_degrees(recording: Recording, v: Mapping[str, float]) -> Verdict | None:
+    """Judge headings that begin beyond a full turn, and that motion does not confirm."""
+    first = float(np.nanmax(np.abs(recording.poses[0, 2])))
+    if first <= 2 * math.pi or not v["heading_offset"] > DOUBTFUL_HEADINGS:
+        return None
+    return Verdict(
+        SURE,
+        "bad",
+        "Not at all: headings seem to be in degrees.",
+        f"They begin at up to {first:.3g}, which is no angle in radians, and robots do not move "
+        "along them: convert them with numpy.radians, and report again.",
+    )
+
+
+def _sure(v: Mapping[str, float]) -> Verdict:
+    question = SURE
+    if v["heading_offset"] > WRONG_HEADINGS:
+        return Verdict(
+            question,
+            "bad",
+            "Not at all: headings and motion disagree.",
+            f"Robots move at {math.degrees(v['heading_offset']):.0f}° to their headings, which "
+            "wheels cannot do: are headings in radians, and columns in the right order?",
+        )
+    noise, course, bias = v["noise_position"], v["noise_course"], v["gamma_bias"]
+    count = int(v["gaps"])
+    gaps = (
+        f" {count} gap{'s' if count > 1 else ''}, {v['gap_time']:.1f} s, left as such."
+        if count
+        else ""
+    )
+    if math.isnan(noise):
+        return Verdict(question, "unknown", "Too short to measure the noise.", gaps.strip())
+    tracked = f"Tracking noise, measured in this log, is {_length(noise)}"
+    if math.isnan(course):
+        return Verdict(
+            question,
+            "caution",
+            "Directions of motion are undefined.",
+            f"{tracked}; nothing moves.{gaps}",
+        )
+    because = (
+        f"{tracked}, so a direction of motion is sure to {math.degrees(course):.2g}° and γ from "
+        f"motion is under-read by {_bias(bias)}; raw differences read "
+        f"{_g(v['gamma_differences'])}.{gaps}"
+    )
+    if ties.beyond(v["left_out_motion"], 0.25):
+        answer = "γ from motion speaks for few robots."
+        return Verdict(
+            question, "caution", answer, f"It leaves out {_pc(v['left_out_motion'])}. {because}"
+        )
+    if bias > 0.02:
+        return Verdict(question, "caution", "γ from motion is noisy.", because)
+    return Verdict(question, "good", "The estimate is sharp.", because)
+
+
+def _complete(recording: Recording, v: Mapping[str, float]) -> Iterator[Verdict]:
+    question = "Is it the whole run?"
+    parameters = recording.parameters
+    ended = parameters.get("ended")
+    how = ended.get("how") if isinstance(ended, dict) else None
+    planned = parameters.get("duration")
+    length = f"{v['duration']:.1f} s are logged"
+    known = isinstance(planned, (int, float)) and math.isfinite(planned)
+    if known:
+        length += f" of {planned:.1f} s planned"
+    if how == "finished":
+        yield Verdict(question, "good", "Yes, the run finished.", f"{length}.")
+    elif how is not None:
+        reason = ended.get("reason") if isinstance(ended, dict) else ""
+        words = "it was killed, or still goes on" if how == "running" else f"{how}"
+        yield Verdict(question, "caution", f"No: {words}.", f"{length}. {reason or ''}".strip())
+    elif known and ties.short_of(v["duration"], 0.95 * float(planned or 0.0)):
+        yield Verdict(question, "caution", "Shorter than planned.", f"{length}.")
+
+
+def _g(gamma: float) -> str:
+    if math.isnan(gamma):
+        return "undefined"
+    # 0.9996 must not read as a perfect 1.000.
+    return f"{gamma:.5f}" if 0.9995 <= gamma < 0.999995 else f"{gamma:.3f}"
+
+
+def _pc(share: float) -> str:
+    percent = 100.0 * share
+    if 0 < percent < 1 or 99 < percent < 100:
+        return (
+            f"{percent:.1f} %"
+            if 0.05 <= percent < 99.95
+            else ("under 0.1 %" if percent < 1 else "over 99.9 %")
+        )
+    return f"{percent:.0f} %"
+
+
+def _bias(bias: float) -> str:
+    return f"about {bias:.1g}" if bias >= 1e-4 else "less than 0.0001"
+
+
+def _length(metres: float) -> str:
+    return f"{1000 * metres:.2f} mm" if metres >= 5e-6 else "below 0.01 mm"

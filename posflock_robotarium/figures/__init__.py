@@ -1,0 +1,1 @@
+"""How figures look (``style``), and those of the nine-robot experiment (``experiment``)."""

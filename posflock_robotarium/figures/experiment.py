@@ -1,0 +1,207 @@
+"""The paper's experiment figures, from a pose log: snapshots, alignment, distances, speeds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from barrier_certificates import ties
+from posflock_robotarium.alignment import metrics
+from posflock_robotarium.figures.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    in_style,
+    new_figure,
+    save,
+)
+from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.flocking.flock import WALLS
+from posflock_robotarium.flocking.pose_log import Log
+from posflock_robotarium.testbed import ROBOT_LENGTH, ROBOT_WIDTH
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+#: Corners of the arena in metres (paper, Section "Experiment").
+ARENA = (-1.6, 1.6, -1.0, 1.0)
+#: Seconds of trail behind each robot in a snapshot.
+TRAIL = 12.0
+
+
+def draw_run(log: Log, folder: Path) -> list[Path]:
+    """Draw every figure of a run into `folder`, each as PNG and PDF; return the paths.
+
+    Raises
+    ------
+    LogError
+        Where the log is too short to draw.
+    OutputError
+        Where the folder cannot be written.
+    """
+    if len(log.t) < metrics.SMOOTHING_POINTS:
+        raise LogError(
+            f"the log holds {len(log.t)} rows; at least {metrics.SMOOTHING_POINTS} are needed"
+        )
+    drawn = {
+        "snapshots": snapshots(log),
+        "alignment": alignment_over_time(log),
+        "distances": distances_and_speeds(log),
+    }
+    return [path for name, figure in drawn.items() for path in save(figure, folder, name)]
+
+
+@in_style
+def snapshots(log: Log, times: Sequence[float] | None = None) -> Figure:
+    """Draw the arena at six instants: robots to scale, headings, trails (paper, Fig. 7).
+
+    Parameters
+    ----------
+    log : Log
+        The run.
+    times : six floats, optional
+        Seconds; evenly spread over the run by default.
+    """
+    figure = new_figure(7.2, 3.55)
+    panels = figure.subplots(2, 3, sharex=True, sharey=True)
+    chosen = np.linspace(log.t[0], log.t[-1], 6) if times is None else np.asarray(times)
+    for axes, time, letter in zip(panels.flat, chosen, "abcdef", strict=True):
+        row = ties.first_smallest(np.abs(log.t - time))
+        _arena(axes)
+        recent = (log.t <= log.t[row]) & ties.reached(log.t, log.t[row] - TRAIL)
+        axes.plot(log.poses[recent, 0], log.poses[recent, 1], color=GREY, linewidth=0.7, zorder=1)
+        for pose in log.poses[row].T:
+            _robot(axes, pose)
+        axes.set_title(f"({letter})  t = {log.t[row]:.0f} s", fontsize=8, pad=3)
+    for axes in panels[-1]:
+        axes.set_xlabel("x (m)")
+    for axes in panels[:, 0]:
+        axes.set_ylabel("y (m)")
+    _say_walls(figure, log)
+    return figure
+
+
+@in_style
+def alignment_over_time(log: Log, radius: float | None = None) -> Figure:
+    """Draw γ over time, from headings and from motion (paper, Fig. 8)."""
+    figure = new_figure(3.5, 2.4)
+    axes = figure.subplots()
+    reach = log.neighbour_radius(radius)
+    positions = log.poses[:, :2]
+    motion = metrics.smoothed_velocities(positions, log.time_step)
+    low = 0.0
+    for velocities, slowest, label, colour, dash in (
+        (metrics.heading_vectors(log.poses), 0.0, "headings", BLUE, "-"),
+        (motion, metrics.SLOWEST, "motion", ORANGE, (0, (4, 1.5))),
+    ):
+        gamma = metrics.alignment(velocities, positions, reach, slowest=slowest).gamma
+        axes.plot(log.t, gamma, color=colour, linestyle=dash, linewidth=1.2, label=label)
+        low = min(low, float(np.nanmin(gamma, initial=0.0)))
+    axes.set(
+        xlabel="time (s)", ylabel="alignment γ (–)", xlim=(0, log.t[-1]), ylim=(low - 0.05, 1.05)
+    )
+    axes.axhline(1.0, color=GREY, linewidth=0.5, zorder=0)
+    axes.legend(loc="lower right", title="γ from", title_fontsize=7)
+    _say_walls(figure, log)
+    return figure
+
+
+@in_style
+def distances_and_speeds(log: Log) -> Figure:
+    """Draw nearest-neighbour, smallest and wall distances, cohesive radius, and speeds."""
+    figure = new_figure(7.2, 2.4)
+    left, right = figure.subplots(1, 2)
+    positions = log.poses[:, :2]
+    curves = (
+        (metrics.cohesive_radius(positions), "cohesive radius", BLACK, (0, (1, 1))),
+        (metrics.nearest_neighbour_distance(positions), "nearest neighbour, mean", BLUE, "-"),
+        (metrics.smallest_distance(positions), "closest pair", ORANGE, (0, (4, 1.5))),
+        (metrics.wall_distance(positions), "nearest wall", GREEN, (0, (5, 1, 1, 1))),
+    )
+    for values, label, colour, dash in curves:
+        left.plot(log.t, values, color=colour, linestyle=dash, linewidth=1.1, label=label)
+    left.axhline(0.135, color=GREY, linewidth=0.8)
+    left.text(
+        log.t[-1],
+        0.125,
+        "collision diameter 0.135 m",
+        fontsize=6,
+        color="#555555",
+        ha="right",
+        va="top",
+    )
+    left.set(xlabel="time (s)", ylabel="distance (m)", xlim=(0, log.t[-1]))
+    left.set_ylim(0, 1.32 * max(float(values.max()) for values, *_ in curves))
+    left.legend(loc="upper right", ncols=2)
+
+    velocities = metrics.smoothed_velocities(positions, log.time_step)
+    speeds = np.sqrt(np.square(velocities).sum(axis=1))
+    right.fill_between(
+        log.t,
+        speeds.min(axis=1),
+        speeds.max(axis=1),
+        color=BLUE,
+        alpha=0.2,
+        linewidth=0,
+        label="slowest to fastest",
+    )
+    right.plot(log.t, speeds.mean(axis=1), color=BLUE, linewidth=1.1, label="mean")
+    centroid = np.sqrt(np.square(velocities.mean(axis=2)).sum(axis=1))
+    right.plot(
+        log.t, centroid, color=BLACK, linestyle=(0, (4, 1.5)), linewidth=1.0, label="centroid"
+    )
+    right.set(xlabel="time (s)", ylabel="speed (m/s)", xlim=(0, log.t[-1]))
+    right.set_ylim(0, 1.25 * float(speeds.max()))
+    right.legend(loc="upper right", ncols=3)
+    _say_walls(figure, log)
+    return figure
+
+
+def _say_walls(figure: Figure, log: Log) -> None:
+    """Say above a figure what kept the flock off the walls, where the log tells."""
+    words = WALLS.get(log.metadata.get("walls", ""))
+    if words is not None:
+        figure.suptitle(f"walls: {words}", fontsize=6, color="#555555", x=0.995, ha="right")
+
+
+def _arena(axes: Axes) -> None:
+    left, right, bottom, top = ARENA
+    axes.plot(
+        [left, right, right, left, left],
+        [bottom, bottom, top, top, bottom],
+        color=BLACK,
+        linewidth=1.0,
+        zorder=0,
+    )
+    axes.set(xlim=(left - 0.06, right + 0.06), ylim=(bottom - 0.06, top + 0.06))
+    axes.set_aspect("equal")
+    axes.set_xticks([-1.5, 0, 1.5])
+    axes.set_yticks([-1, 0, 1])
+    for spine in axes.spines.values():
+        spine.set_visible(False)
+
+
+def _robot(axes: Axes, pose: NDArray[np.float64]) -> None:
+    """Draw one robot to scale, an arrowhead inside telling its heading."""
+    from matplotlib.patches import Polygon
+
+    half_length, half_width = ROBOT_LENGTH / 2.0, ROBOT_WIDTH / 2.0
+    body = np.array([[-1, 1, 1, -1], [-1, -1, 1, 1]]) * [[half_length], [half_width]]
+    arrow = np.array([[0.9, -0.7, -0.35, -0.7], [0, 0.75, 0, -0.75]]) * [
+        [half_length],
+        [half_width],
+    ]
+    cosine, sine = np.cos(pose[2]), np.sin(pose[2])
+    turn = np.array([[cosine, -sine], [sine, cosine]])
+    place = pose[:2, None]
+    axes.add_patch(
+        Polygon((turn @ body + place).T, facecolor=BLUE, edgecolor=BLACK, linewidth=0.4, zorder=2)
+    )
+    axes.add_patch(Polygon((turn @ arrow + place).T, facecolor="white", linewidth=0, zorder=3))

@@ -1,0 +1,71 @@
+"""How every figure of the project looks: its palette, its type, its files.
+
+Figures are drawn without a display and without touching matplotlib's global state, as PNG
+for the screen and PDF for the paper.  Curves differ in colour (Okabe and Ito's palette,
+safe for colour-blind readers) *and* in dash, so that they survive a black-and-white
+printer.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+
+from posflock_robotarium.flocking.errors import OutputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+BLUE, ORANGE, GREEN, BLACK, GREY = "#0072B2", "#D55E00", "#009E73", "#000000", "#8c8c8c"
+
+_STYLE: dict[str, Any] = {
+    "font.size": 8,
+    "axes.labelsize": 8,
+    "xtick.labelsize": 7,
+    "ytick.labelsize": 7,
+    "legend.fontsize": 7,
+    "legend.frameon": False,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "pdf.fonttype": 42,
+}
+
+_Arguments = ParamSpec("_Arguments")
+_Result = TypeVar("_Result")
+
+
+def in_style(draw: Callable[_Arguments, _Result]) -> Callable[_Arguments, _Result]:
+    """Let a function draw in our style without changing the caller's."""
+
+    @functools.wraps(draw)
+    def styled(*args: _Arguments.args, **kwargs: _Arguments.kwargs) -> _Result:
+        import matplotlib.style
+
+        with matplotlib.style.context(_STYLE):
+            return draw(*args, **kwargs)
+
+    return styled
+
+
+@in_style
+def save(figure: Figure, folder: Path, name: str) -> list[Path]:
+    """Write a figure as NAME.png and NAME.pdf and return both paths."""
+    paths = [folder / f"{name}.png", folder / f"{name}.pdf"]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        # No dates inside: the same run gives the same bytes.
+        figure.savefig(paths[0], dpi=200, metadata={"Software": None})
+        figure.set_layout_engine("none")  # laid out once, and the same in both
+        figure.savefig(paths[1], metadata={"CreationDate": None, "Producer": None})
+    except OSError as error:
+        raise OutputError(f"cannot write figures into {folder}: {error.strerror}") from error
+    return paths
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """Return an empty figure of so many inches, its labels sized for print."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height), layout="constrained")

@@ -1,0 +1,358 @@
+"""The pose log: what every robot did at every step, safe against any end of the process.
+
+A run of T steps and N robots is two files.  ``NAME.npy`` is a structured array of T rows,
+written through a memory map, so that a row is in the operating system's hands the moment
+it is appended: a process killed at any step has lost nothing before that step.  Rows not
+reached have ``t`` = NaN.  ``NAME.json`` says everything needed to understand or repeat the
+run: parameters, seed, versions, and how it ended.
+
+Any program that reads NumPy files reads the log, ``numpy.load("NAME.npy")``; pickles are
+never needed.  This module needs numpy alone, because it goes to the testbed.
+
+======================  ============  ====================================================
+field of a row          type          meaning
+======================  ============  ====================================================
+``t``                   float64       seconds since the start, when the poses were read
+``pose``                (3, N)        x, y in metres and θ in radians, as read
+``command``             (2, N)        v in m/s and ω in rad/s, as sent after reading
+``status``              string        what the certificate said: trivial, optimal,
+                                      relaxed, failed, or none without a certificate
+``moved``               float64       its intervention: how far it changed a velocity at most,
+                                      m/s
+``smallest_h``          float64       barrier value of what is nearest to being unsafe: m² of a
+                                      pair, m of a wall (NaN without a certificate)
+======================  ============  ====================================================
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+import os
+import platform
+from dataclasses import dataclass, field
+from importlib import metadata as installed
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+from numpy.lib import format as npy
+from numpy.typing import ArrayLike, NDArray
+
+from posflock_robotarium.flocking.errors import LogError, OutputError, ParameterError
+
+FORMAT = "posflock pose log 1"
+_STATUS = "U8"
+
+
+def row_type(robots: int) -> np.dtype[np.void]:
+    """Return the structure of one row for `robots` robots."""
+    return np.dtype(
+        [
+            ("t", "f8"),
+            ("pose", "f8", (3, robots)),
+            ("command", "f8", (2, robots)),
+            ("status", _STATUS),
+            ("moved", "f8"),
+            ("smallest_h", "f8"),
+        ]
+    )
+
+
+class PoseLog:
+    """Write the log of one run, row by row.
+
+    Parameters
+    ----------
+    path : path
+        Where to write, with or without ``.npy``; the folder is made where there is none.
+    robots : int
+        N, at least 1.
+    steps : int
+        Rows to make room for.  More may be appended: the file then grows.
+    metadata : dict, optional
+        Whatever JSON can hold: parameters, seed, time step, API generation.
+
+    Raises
+    ------
+    OutputError
+        Where the files cannot be written; nothing has happened by then.
+    ParameterError
+        Where `robots` or `steps` is not a positive whole number.
+
+    Examples
+    --------
+    >>> import numpy as np, tempfile, pathlib
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "run"
+    >>> with PoseLog(path, robots=2, steps=100) as log:
+    ...     log.append(0.0, pose=np.zeros((3, 2)), command=np.zeros((2, 2)))
+    >>> read_log(path).t
+    array([0.])
+    """
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        robots: int,
+        steps: int,
+        metadata: dict[str, Any] | None = None,
+    ) -> None:
+        for name, value in (("robots", robots), ("steps", steps)):
+            if not isinstance(value, (int, np.integer)) or value < 1:
+                raise ParameterError(f"{name}: expected a whole number from 1, got {value!r}")
+        self.path, self.sidecar = log_paths(path)
+        self.rows = 0
+        self._robots = int(robots)
+        self._metadata = {
+            "format": FORMAT,
+            "robots": int(robots),
+            "units": {"t": "s", "pose": ["m", "m", "rad"], "command": ["m/s", "rad/s"]}
+            | {"moved": "m/s", "smallest_h": "m^2 of a pair, m of a wall"},
+            "versions": versions(),
+            **(metadata or {}),
+        }
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            self._map = npy.open_memmap(
+                self.path, mode="w+", dtype=row_type(self._robots), shape=(int(steps),)
+            )
+            self._map["t"] = math.nan
+            self._describe("running", "")
+        except OSError as error:
+            raise OutputError(
+                f"cannot write the pose log {self.path}: {error.strerror or error};"
+                " choose a folder that can be written to"
+            ) from error
+
+    def append(
+        self,
+        t: float,
+        pose: ArrayLike,
+        command: ArrayLike,
+        *,
+        status: str = "none",
+        moved: float = 0.0,
+        smallest_h: float = math.nan,
+    ) -> None:
+        """Write the next row.
+
+        Parameters
+        ----------
+        t : float
+            Seconds since the start.
+        pose : (3, N) array
+            As read, metres and radians.
+        command : (2, N) array
+            As sent, m/s and rad/s.
+        status : str
+            What the certificate said.
+        moved, smallest_h : float
+            Its intervention (m/s); the barrier value of what is nearest to being unsafe.
+        """
+        if self.rows == len(self._map):
+            self._grow()
+        row = self._map[self.rows]
+        row["pose"] = pose
+        row["command"] = command
+        row["status"] = status
+        row["moved"] = moved
+        row["smallest_h"] = smallest_h
+        row["t"] = t  # last: a row whose time is a number is whole
+        self.rows += 1
+
+    def annotate(self, **values: Any) -> None:
+        """Add what became known during the run to the description beside the log."""
+        self._metadata.update(values)
+
+    def close(self, how: str = "finished", reason: str = "") -> None:
+        """Flush the rows and record how the run ended; a second call changes nothing.
+
+        Parameters
+        ----------
+        how : str
+            ``finished``, ``interrupted`` or ``failed``.
+        reason : str
+            In words, for the reader of the report.
+        """
+        if self._metadata["ended"]["how"] == "running":
+            self._map.flush()
+            self._describe(how, reason)
+
+    def __enter__(self) -> PoseLog:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if kind is None:
+            self.close()
+        elif issubclass(kind, KeyboardInterrupt):
+            self.close("interrupted", "KeyboardInterrupt: the run was stopped from outside")
+        else:
+            self.close("failed", f"{kind.__name__}: {error}")
+
+    def _describe(self, how: str, reason: str) -> None:
+        """Replace the description in one move, so that no reader ever sees half of it."""
+        self._metadata["ended"] = {"how": how, "reason": reason, "rows": self.rows}
+        draft = self.sidecar.with_name(self.sidecar.name + ".part")
+        draft.write_text(
+            json.dumps(self._metadata, indent=1, default=_plain) + "\n", encoding="utf-8"
+        )
+        os.replace(draft, self.sidecar)
+
+    def _grow(self) -> None:
+        """Double the file: first the rows, then the header that admits to them."""
+        self._map.flush()
+        kind, old = self._map.dtype, len(self._map)
+        offset = self._map.offset
+        with open(self.path, "r+b") as file:
+            file.truncate(offset + 2 * old * kind.itemsize)
+        added = np.memmap(
+            self.path, dtype=kind, mode="r+", offset=offset + old * kind.itemsize, shape=(old,)
+        )
+        added["t"] = math.nan
+        added.flush()
+        header = {"descr": npy.dtype_to_descr(kind), "fortran_order": False, "shape": (2 * old,)}
+        draft = io.BytesIO()
+        npy.write_array_header_1_0(draft, header)
+        # NumPy pads its headers so that the row count may gain digits in place.
+        if draft.tell() != offset:
+            raise LogError(f"{self.path}: cannot grow beyond {old} rows; ask for more `steps`")
+        with open(self.path, "r+b") as file:
+            file.write(draft.getvalue())
+        self._map = npy.open_memmap(self.path, mode="r+")
+
+
+@dataclass(frozen=True, eq=False)
+class Log:
+    """One run, as read back.
+
+    Attributes
+    ----------
+    t : (T,) array
+        Seconds.
+    poses : (T, 3, N) array
+        Metres and radians.
+    commands : (T, 2, N) array
+        m/s and rad/s.
+    status : (T,) array of str
+        What the certificate said.
+    moved, smallest_h : (T,) array
+        m/s and m².
+    metadata : dict
+        The description beside the log; empty where there is none.
+    """
+
+    t: NDArray[np.float64]
+    poses: NDArray[np.float64]
+    commands: NDArray[np.float64]
+    status: NDArray[np.str_]
+    moved: NDArray[np.float64]
+    smallest_h: NDArray[np.float64]
+    metadata: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def robots(self) -> int:
+        """N."""
+        return int(self.poses.shape[2])
+
+    @property
+    def time_step(self) -> float:
+        """Median time between rows, seconds; a :class:`LogError` where there is one row or none."""
+        if len(self.t) < 2:
+            raise LogError(f"the log holds {len(self.t)} row(s); a time step needs two")
+        return float(np.median(np.diff(self.t)))
+
+    def neighbour_radius(self, given: float | None = None) -> float:
+        """Return the neighbour radius in metres: the one given, else what the log says.
+
+        Raises
+        ------
+        LogError
+            Where neither tells it, or it is no length.
+        """
+        radius = self.metadata.get("neighbour_radius") if given is None else given
+        if radius is None:
+            raise LogError("the log does not tell the neighbour radius; give it in metres")
+        try:
+            metres = float(radius)
+        except (TypeError, ValueError):
+            metres = math.nan
+        if not 0.0 < metres < math.inf:
+            raise LogError(f"neighbour radius is {radius!r}; expected metres above 0")
+        return metres
+
+
+def read_log(path: str | os.PathLike[str]) -> Log:
+    """Read the rows that a run reached, whether it ended well, was killed, or still runs.
+
+    Parameters
+    ----------
+    path : path
+        With or without ``.npy``.
+
+    Raises
+    ------
+    LogError
+        Where the file is missing, cut off, or not a pose log.
+    """
+    array_path, sidecar = log_paths(path)
+    try:
+        rows = np.load(array_path, mmap_mode="r", allow_pickle=False)
+    except FileNotFoundError as error:
+        raise LogError(f"{array_path}: no such pose log") from error
+    except (ValueError, EOFError, OSError) as error:
+        raise LogError(f"{array_path}: not a readable NumPy file ({error})") from error
+    if rows.dtype.names != row_type(1).names or rows.ndim != 1:
+        raise LogError(
+            f"{array_path}: expected rows with the fields {', '.join(row_type(1).names or ())};"
+            f" got {rows.dtype} of shape {rows.shape}"
+        )
+    rows = np.array(rows[~np.isnan(rows["t"])])
+    try:
+        metadata = json.loads(sidecar.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        metadata = {}
+    except (OSError, ValueError) as error:
+        raise LogError(f"{sidecar}: not readable as JSON ({error})") from error
+    column = {name: np.ascontiguousarray(rows[name]) for name in row_type(1).names or ()}
+    return Log(
+        t=column["t"],
+        poses=column["pose"],
+        commands=column["command"],
+        status=column["status"],
+        moved=column["moved"],
+        smallest_h=column["smallest_h"],
+        metadata=metadata,
+    )
+
+
+def log_paths(path: str | os.PathLike[str]) -> tuple[Path, Path]:
+    """Return the paths of the rows and of their description, NAME.npy and NAME.json."""
+    stem = Path(path)
+    if stem.suffix in (".npy", ".json"):
+        stem = stem.with_suffix("")
+    return stem.with_name(stem.name + ".npy"), stem.with_name(stem.name + ".json")
+
+
+def versions() -> dict[str, str]:
+    """Return the versions that a result may depend on: Python and what is installed of ours."""
+    found = {"python": platform.python_version()}
+    for name in ("posflock-robotarium", "numpy", "scipy"):
+        try:
+            found[name] = installed.version(name)
+        except installed.PackageNotFoundError:
+            continue
+    return found
+
+
+def _plain(value: Any) -> Any:
+    """Turn numpy's numbers and arrays into what JSON knows."""
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    raise TypeError(f"metadata: JSON cannot hold {value!r} of type {type(value).__name__}")

@@ -1,0 +1,396 @@
+r"""Point agents in the plane or in space: the simulation of the paper.
+
+Agents are double integrators without walls or wheels.  One step of length dt is
+semi-implicit Euler with both saturations fed back into the state:
+
+.. code-block:: text
+
+    t ← t + dt                        the first input is computed at t = dt
+    u ← sat(law(p, v, t), u_max)
+    v ← sat(v + dt·u, v_max)
+    p ← p + dt·v
+
+The paper leaves the discretisation open, and it matters.  The position-based law has no
+damping of relative motion of its own; the saturation that is fed back supplies it, at a
+rate of about :math:`\|v\|^2 / (3 v_{max}^2\,dt)`, so that results depend on dt.  Explicit
+Euler destroys alignment (γ near 0), and saturating only what is applied, or clipping hard,
+reverses the paper's ranking of the models.  Flocks drift because the law is not
+reciprocal: neighbours i and j may have different |N|.
+
+A batch of flocks advances together in arrays (B, d, n), one row of random numbers each, so
+that a run is the same, bit for bit, alone and in a batch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field
+from enum import Enum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from barrier_certificates import ties
+from posflock_robotarium.flocking.errors import ParameterError
+from posflock_robotarium.flocking.law import (
+    PAPER_SIMULATION,
+    LawParameters,
+    check_states,
+    displacements,
+    position_based_input,
+    saturate,
+    velocity_based_input,
+)
+from posflock_robotarium.freespace.neighbour_search import (
+    TREE_FROM_AGENTS,
+    neighbour_pairs,
+    position_based_input_over,
+    velocity_based_input_over,
+)
+from posflock_robotarium.freespace.sensing import Sensed, Sensing, Sensors
+
+Floats = NDArray[np.float64]
+#: An input of one's own, (B, d, n) in m/s², before saturation.
+OwnLaw = Callable[[Sensed, LawParameters], Floats]
+Seed = int | np.random.SeedSequence | np.random.Generator
+
+#: Numbers in one (B, n, n) array of a batch that still fits the processor's cache.
+_CACHED_NUMBERS = 20_000
+
+
+class Model(str, Enum):
+    """The three models the paper compares."""
+
+    VELOCITY = "velocity"
+    POSITION = "position"
+    POSITION_NO_THRESHOLD = "position-no-threshold"
+
+    @property
+    def label(self) -> str:
+        """The paper's name for it, as its figures print it."""
+        return _LABELS[self]
+
+
+_LABELS = {
+    Model.VELOCITY: "V-based",
+    Model.POSITION: "P-based (thr.)",
+    Model.POSITION_NO_THRESHOLD: "P-based (no thr.)",
+}
+
+
+@dataclass(frozen=True)
+class FreeSpace:
+    """A simulation without walls; the defaults are the paper's.
+
+    Attributes
+    ----------
+    model : Model
+        Which law the agents follow.
+    agents : int
+        n, at least 2.
+    dimensions : int
+        2 or 3.
+    side : float
+        Agents start uniformly in a square or cube of this side, metres.
+    fastest_start : float
+        Initial speeds are uniform from 0 to this, m/s, in random directions.
+    duration : float
+        Seconds.
+    time_step : float
+        dt, seconds.  Not in the paper; 0.05 reproduces it.
+    record_interval : float
+        Seconds between recorded states, rounded to whole steps.
+    law : LawParameters
+        δ, r, k and the limits, each possibly one per agent.
+    sensing : Sensing
+        Noise, dropout, delay and failures; perfect by default.
+    own_law : function of (Sensed, LawParameters), optional
+        Computes the input in place of `model`: what is sensed in arrays (B, d, n) and the
+        parameters in, inputs (B, d, n) in m/s² out, before saturation.  The functions of
+        :mod:`posflock_robotarium.flocking.law` take such arrays.  Each flock's input may
+        depend on that flock alone.
+
+    Raises
+    ------
+    ParameterError
+        Where a value is outside its range.
+    """
+
+    model: Model = Model.POSITION
+    agents: int = 50
+    dimensions: int = 2
+    side: float = 25.0
+    fastest_start: float = 1.0
+    duration: float = 100.0
+    time_step: float = 0.05
+    record_interval: float = 0.25
+    law: LawParameters = PAPER_SIMULATION
+    sensing: Sensing = field(default_factory=Sensing)
+    own_law: OwnLaw | None = None
+
+    def __post_init__(self) -> None:
+        try:
+            object.__setattr__(self, "model", Model(self.model))
+        except ValueError:
+            names = ", ".join(model.value for model in Model)
+            raise ParameterError(f"model: expected one of {names}, got {self.model!r}") from None
+        if self.dimensions not in (2, 3):
+            raise ParameterError(f"dimensions: expected 2 or 3, got {self.dimensions!r}")
+        if not isinstance(self.agents, (int, np.integer)) or self.agents < 2:
+            raise ParameterError(f"agents: expected a whole number from 2, got {self.agents!r}")
+        for name in ("side", "duration", "time_step", "record_interval"):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value > 0.0):
+                raise ParameterError(f"{name}: expected more than zero, got {value!r}")
+        if not (np.isfinite(self.fastest_start) and self.fastest_start >= 0.0):
+            raise ParameterError(
+                f"fastest_start: expected zero or more, got {self.fastest_start!r}"
+            )
+        if self.duration < self.time_step:
+            raise ParameterError(
+                f"duration: expected at least one time step of {self.time_step} s,"
+                f" got {self.duration!r}"
+            )
+        if self.record_interval > self.duration:
+            raise ParameterError(
+                f"record_interval: expected at most the duration of {self.duration} s,"
+                f" got {self.record_interval!r}"
+            )
+        self.law.agents_must_be(self.agents)
+
+    @property
+    def steps(self) -> int:
+        """Number of steps in the duration."""
+        return ties.nearest_whole(self.duration / self.time_step)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return every parameter as numbers, strings and lists, ready for JSON."""
+        values = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        own = values.pop("own_law")
+        if own is not None:
+            values["own_law"] = getattr(own, "__name__", repr(own))
+        return values | {
+            "model": self.model.value,
+            "law": self.law.as_dict(),
+            "sensing": asdict(self.sensing),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """States of one flock, or of a batch of flocks, over time.
+
+    Attributes
+    ----------
+    times : (T,) array
+        Seconds; the first is 0.
+    positions, velocities : (T, d, n) or (B, T, d, n) array
+        True states, metres and m/s.
+    failing : (n,) or (B, n) boolean array
+        Agents that fail at some time of the run.
+    """
+
+    times: Floats
+    positions: Floats
+    velocities: Floats
+    failing: NDArray[np.bool_]
+
+    def __getitem__(self, flock: int) -> Recording:
+        """Return one flock of a batch."""
+        return Recording(
+            self.times, self.positions[flock], self.velocities[flock], self.failing[flock]
+        )
+
+
+def simulate(scenario: FreeSpace, seed: Seed) -> Recording:
+    """Run one flock.
+
+    Parameters
+    ----------
+    scenario : FreeSpace
+        What to simulate.
+    seed : int, SeedSequence or Generator
+        Initial states first, then whatever noise `scenario` asks for, are drawn from it.  The
+        models therefore start identically from equal seeds.
+
+    Returns
+    -------
+    Recording
+        States (T, d, n) every ``record_interval``, the first at t = 0.
+
+    Raises
+    ------
+    ParameterError
+        Where a parameter does not fit the others.
+
+    Examples
+    --------
+    >>> run = simulate(FreeSpace(agents=10, side=10.0, duration=5.0), seed=1)
+    >>> run.positions.shape
+    (21, 2, 10)
+    """
+    return simulate_batch(scenario, [seed])[0]
+
+
+def simulate_batch(scenario: FreeSpace, seeds: Sequence[Seed]) -> Recording:
+    """Run one flock for each seed, several at a time in one array.
+
+    Parameters
+    ----------
+    scenario : FreeSpace
+        What to simulate.
+    seeds : sequence of seeds
+        One for each flock, see :func:`simulate`.
+
+    Returns
+    -------
+    Recording
+        States (B, T, d, n); flock b is what ``simulate(scenario, seeds[b])`` returns.
+    """
+    together = max(1, _CACHED_NUMBERS // scenario.agents**2)
+    parts = [
+        _simulate(scenario, [np.random.default_rng(seed) for seed in seeds[at : at + together]])
+        for at in range(0, len(seeds), together)
+    ]
+    if not parts:
+        raise ParameterError("seeds: expected at least one, got none")
+    return Recording(
+        parts[0].times,
+        np.concatenate([part.positions for part in parts]),
+        np.concatenate([part.velocities for part in parts]),
+        np.concatenate([part.failing for part in parts]),
+    )
+
+
+def initial_states(scenario: FreeSpace, generator: np.random.Generator) -> tuple[Floats, Floats]:
+    """Draw positions in the square or cube and velocities of random direction, (d, n) each."""
+    shape = (scenario.agents, scenario.dimensions)
+    positions = generator.uniform(0.0, scenario.side, shape).T
+    direction = generator.standard_normal(shape).T
+    speed = generator.uniform(0.0, scenario.fastest_start, scenario.agents)
+    return positions, direction * (speed / np.sqrt(np.square(direction).sum(axis=0)))
+
+
+def euler_step(
+    positions: Floats, velocities: Floats, inputs: Floats, time_step: float, law: LawParameters
+) -> tuple[Floats, Floats]:
+    """Advance (..., d, n) states by one semi-implicit Euler step, saturations fed back.
+
+    Parameters
+    ----------
+    positions, velocities : (..., d, n) array
+        Metres and m/s.
+    inputs : (..., d, n) array
+        What the law asks for, before saturation, m/s².
+    time_step : float
+        Seconds.
+    law : LawParameters
+        v_max and u_max are used.
+
+    Returns
+    -------
+    positions, velocities : (..., d, n) array
+        One step later.
+    """
+    applied = saturate(inputs, law.input_limit)
+    v = saturate(velocities + time_step * applied, law.speed_limit)
+    return positions + time_step * v, v
+
+
+def _simulate(scenario: FreeSpace, generators: Sequence[np.random.Generator]) -> Recording:
+    """Advance a batch of flocks from start to end."""
+    starts = [initial_states(scenario, generator) for generator in generators]
+    # stack would keep the transposed layout of the draws, and every later step pay for it.
+    p, v = (np.ascontiguousarray(np.stack(states)) for states in zip(*starts, strict=True))
+    sensors = Sensors(scenario.sensing, generators, scenario.agents, scenario.time_step)
+    wanted = _law(scenario, sensors)
+    every = max(1, ties.nearest_whole(scenario.record_interval / scenario.time_step))
+    recorded = [(p, v)]
+    for step in range(1, scenario.steps + 1):
+        time = step * scenario.time_step
+        inputs = wanted(p, v, time)
+        failed = sensors.failed(time)
+        p_next, v = euler_step(p, v, inputs, scenario.time_step, scenario.law)
+        if failed is not None:
+            v = np.where(failed[:, None, :], 0.0, v)
+            p_next = np.where(failed[:, None, :], p, p_next)
+        p = p_next
+        if step % every == 0:
+            recorded.append((p, v))
+    return Recording(
+        times=np.arange(float(len(recorded))) * (every * scenario.time_step),
+        positions=np.stack([positions for positions, _ in recorded], axis=1),
+        velocities=np.stack([velocities for _, velocities in recorded], axis=1),
+        failing=sensors.failing,
+    )
+
+
+def _law(scenario: FreeSpace, sensors: Sensors) -> Callable[[Floats, Floats, float], Floats]:
+    if scenario.own_law is not None:
+        return _OwnLaw(scenario.own_law, scenario.law, sensors)
+    return (_TreeLaw if scenario.agents >= TREE_FROM_AGENTS else _DenseLaw)(scenario, sensors)
+
+
+class _OwnLaw:
+    """A user's input, which must be finite and have the shape of the states."""
+
+    def __init__(self, own_law: OwnLaw, law: LawParameters, sensors: Sensors) -> None:
+        self._own_law, self._law, self._sensors = own_law, law, sensors
+        self._first: Floats | None = None
+
+    def __call__(self, positions: Floats, velocities: Floats, time: float) -> Floats:
+        p, v = self._sensors.read(positions, velocities)
+        if self._first is None:
+            self._first = p
+        sensed = Sensed(p, v, self._first, time, self._sensors.detected(time))
+        return check_states(self._own_law(sensed, self._law), "input of the own law", like=p)
+
+
+class _DenseLaw:
+    """The model's input from all n² pairs; the imprint is taken from what is sensed first."""
+
+    def __init__(self, scenario: FreeSpace, sensors: Sensors) -> None:
+        self._scenario, self._sensors = scenario, sensors
+        self._imprint: Floats | None = None
+
+    def __call__(self, positions: Floats, velocities: Floats, time: float) -> Floats:
+        model, law = self._scenario.model, self._scenario.law
+        p, v = self._sensors.read(positions, velocities)
+        if self._imprint is None:
+            self._imprint = displacements(p)
+        detected = self._sensors.detected(time)
+        if model is Model.VELOCITY:
+            return velocity_based_input(p, v, law, detected=detected)
+        threshold = model is Model.POSITION
+        return position_based_input(
+            p, self._imprint, time, law, threshold=threshold, detected=detected
+        )
+
+
+class _TreeLaw:
+    """The same from a list of the pairs in reach, flock by flock."""
+
+    def __init__(self, scenario: FreeSpace, sensors: Sensors) -> None:
+        self._scenario, self._sensors = scenario, sensors
+        self._first: Floats | None = None
+
+    def __call__(self, positions: Floats, velocities: Floats, time: float) -> Floats:
+        p, v = self._sensors.read(positions, velocities)
+        if self._first is None:
+            self._first = p
+        return np.stack([self._of(flock, p[flock], v[flock], time) for flock in range(len(p))])
+
+    def _of(self, flock: int, p: Floats, v: Floats, time: float) -> Floats:
+        model, law = self._scenario.model, self._scenario.law
+        pairs = neighbour_pairs(p, law.radius)
+        detected = self._sensors.detected_among(flock, pairs.other, time)
+        if detected is not None:
+            pairs = pairs.where(detected)
+        if model is Model.VELOCITY:
+            return velocity_based_input_over(pairs, p, v, law)
+        assert self._first is not None
+        threshold = model is Model.POSITION
+        return position_based_input_over(
+            pairs, p, self._first[flock], time, law, threshold=threshold
+        )

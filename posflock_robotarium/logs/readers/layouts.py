@@ -1,0 +1,204 @@
+"""Which axis of an array is time, which is the robots: recognised from the shape, or asked for.
+
+Robotarium scripts save poses as they please: ``(T, 3, N)``, ``(3, N, T)``, ``(T, N, 3)``, or flat
+tables ``(T, 3N)`` and ``(3N, T)`` with the columns grouped by state (x1…xN, y1…yN, θ1…θN) or by
+robot (x1, y1, θ1, x2, …). A shape often fits one reading only. Where it fits several, the data are
+asked one physical question that has a clear answer, *do the wheels roll where the heading points?*
+(a differential-drive robot cannot slide sideways), and where even that does not decide, the
+reader raises `LayoutError` and lists the readings. It never picks one silently.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.logs.readers.recording import LayoutError
+
+Floats = NDArray[np.float64]
+
+MOST_ROBOTS = 50
+"""More robots than the testbed's simulator holds are only read when the layout is named."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """One way to read an array: its name on the command line, and how to bring it to (T, 3, N)."""
+
+    name: str
+    axes: int
+    columns: str
+    robots: Callable[[tuple[int, ...]], int]
+    """Number of robots in an array of that shape, 0 where the layout does not fit."""
+    turn: Callable[[Floats], Floats]
+
+    @property
+    def label(self) -> str:
+        """The layout as a user would name it."""
+        return f"({self.name})" + (f" by {self.columns}" if self.columns else "")
+
+
+def _stacked(axis: int, robots: int) -> Callable[[tuple[int, ...]], int]:
+    return lambda shape: shape[robots] if shape[axis] == 3 else 0
+
+
+def _flat(axis: int) -> Callable[[tuple[int, ...]], int]:
+    return lambda shape: shape[axis] // 3 if shape[axis] % 3 == 0 else 0
+
+
+def _by_state(table: Floats) -> Floats:
+    return np.asarray(table.reshape(len(table), 3, -1))
+
+
+def _by_robot(table: Floats) -> Floats:
+    return np.asarray(table.reshape(len(table), -1, 3).transpose(0, 2, 1))
+
+
+LAYOUTS: tuple[Layout, ...] = (
+    Layout("T,3,N", 3, "", _stacked(1, 2), lambda a: a),
+    Layout("3,N,T", 3, "", _stacked(0, 1), lambda a: a.transpose(2, 0, 1)),
+    Layout("T,N,3", 3, "", _stacked(2, 1), lambda a: a.transpose(0, 2, 1)),
+    Layout("T,3N", 2, "state", _flat(1), _by_state),
+    Layout("T,3N", 2, "robot", _flat(1), _by_robot),
+    Layout("3N,T", 2, "state", _flat(0), lambda a: _by_state(a.T)),
+    Layout("3N,T", 2, "robot", _flat(0), lambda a: _by_robot(a.T)),
+)
+NAMES = tuple(dict.fromkeys(layout.name for layout in LAYOUTS))
+COLUMN_ORDERS = ("state", "robot")
+
+
+def to_poses(
+    array: Floats,
+    where: str,
+    layout: str | None = None,
+    columns: str | None = None,
+    *,
+    samples: int | None = None,
+) -> tuple[Floats, str]:
+    """Bring an array of poses to shape (T, 3, N) and say which layout it had.
+
+    Parameters
+    ----------
+    array : ndarray, two or three axes
+        Poses in any of `LAYOUTS`.
+    where : str
+        File (and variable) name for messages.
+    layout : str, optional
+        One of `NAMES`; when given, only this one is tried.
+    columns : {'state', 'robot'}, optional
+        Order of the columns of a flat table.
+    samples : int, optional
+        How many times there are, where the file says so: only layouts with that T fit.
+
+    Returns
+    -------
+    poses : ndarray, shape (T, 3, N)
+        A view where possible.
+    label : str
+        The sentence for the report.
+
+    Raises
+    ------
+    LayoutError
+        When no layout fits, or more than one does.
+    """
+    layout = _known(layout, NAMES, "layout")
+    columns = _known(columns, COLUMN_ORDERS, "columns")
+    if array.ndim not in (2, 3):
+        raise LayoutError(
+            f"{where}: an array of shape {array.shape} is not poses over time; "
+            f"expected one of {', '.join(NAMES)}"
+        )
+    if array.size == 0:
+        raise LogError(f"{where}: empty, shape {array.shape}")
+    named = layout is not None
+    fits = [
+        candidate
+        for candidate in LAYOUTS
+        if candidate.axes == array.ndim
+        and (not named or candidate.name == layout)
+        and (columns is None or candidate.columns in ("", columns))
+        and 0 < candidate.robots(array.shape) <= (array.size if named else MOST_ROBOTS)
+    ]
+    lengths = {id(c): array.size // (3 * c.robots(array.shape)) for c in fits}
+    fits = [c for c in fits if lengths[id(c)] > 1 and samples in (None, lengths[id(c)])]
+    # With one robot, both orders of columns are the same columns.
+    if len(fits) == 2 and all(c.axes == 2 and c.robots(array.shape) == 1 for c in fits):
+        fits = fits[:1] if fits[0].name == fits[1].name else fits
+    if not fits:
+        asked = f"layout {layout}" if named else "any known layout " + " ".join(NAMES)
+        raise LayoutError(
+            f"{where}: shape {array.shape} does not fit {asked} "
+            f"(3 numbers a robot{'' if named else f', at most {MOST_ROBOTS} robots'}, "
+            f"{'at least 2' if samples is None else samples} samples); name one with --layout"
+        )
+    if len(fits) == 1:
+        how = "as asked" if named else "the only one that fits the shape"
+        return fits[0].turn(array), f"layout {fits[0].label}, {how}"
+    return _decide_by_rolling(array, where, fits)
+
+
+def _known(name: str | None, names: tuple[str, ...], option: str) -> str | None:
+    if name is None:
+        return None
+    plain = name.replace(" ", "").strip("()")
+    for known in names:
+        if plain.lower() == known.lower():
+            return known
+    raise LayoutError(f"--{option} {name!r} is none of {', '.join(names)}")
+
+
+def increases(values: Floats) -> bool:
+    """Tell whether values could be times: finite, and each later than the one before."""
+    return bool(np.isfinite(values).all() and (np.diff(values) > 0).all())
+
+
+def sideways_share(poses: Floats) -> float:
+    """Share of the motion that points across the heading: 0 for wheels, about ½ for nonsense.
+
+    Parameters
+    ----------
+    poses : ndarray, shape (T, 3, N)
+        Poses; at most about 4000 samples are looked at.
+
+    Returns
+    -------
+    float
+        Sum of squared sideways displacements over the sum of all, NaN when nothing moves.
+    """
+    stride = max(1, len(poses) // 4000)
+    # Displacements over five samples, so that tracking noise does not drown the motion.
+    ahead, behind = poses[5:], poses[:-5]
+    if len(poses) <= 5:
+        ahead, behind = poses[1:], poses[:-1]
+    ahead, behind = ahead[::stride], behind[::stride]
+    dx, dy = ahead[:, 0] - behind[:, 0], ahead[:, 1] - behind[:, 1]
+    middle = behind[:, 2] + 0.5 * (
+        np.remainder(ahead[:, 2] - behind[:, 2] + np.pi, 2 * np.pi) - np.pi
+    )
+    across = -np.sin(middle) * dx + np.cos(middle) * dy
+    total = float(np.sum(dx * dx + dy * dy))
+    return float(np.sum(across * across)) / total if total > 0 else float("nan")
+
+
+def _decide_by_rolling(array: Floats, where: str, fits: list[Layout]) -> tuple[Floats, str]:
+    readings = ", ".join(f"{c.label} with {c.robots(array.shape)} robots" for c in fits)
+    with np.errstate(all="ignore"):
+        shares = [sideways_share(c.turn(array)) for c in fits]
+    order = np.argsort(shares)
+    best, second = shares[order[0]], shares[order[1]]
+    if not (np.isfinite(best) and np.isfinite(second) and best < 0.05 and second > 5 * best + 0.1):
+        raise LayoutError(
+            f"{where}: shape {array.shape} can be read as {readings}; "
+            "say which with --layout (and --columns state or robot for a flat table)"
+        )
+    chosen = fits[order[0]]
+    return chosen.turn(array), (
+        f"layout {chosen.label}: the shape also fits {len(fits) - 1} other(s), but only so do the "
+        f"robots roll where they head ({100 * best:.1f} % of the motion is sideways, "
+        f"against {100 * second:.0f} %)"
+    )

@@ -1,0 +1,71 @@
+"""MATLAB files: ``.mat`` of version 5, and 7.3, which is HDF5.
+
+MATLAB stores the first axis first; version 7.3 files hold every array with its axes reversed, and
+are turned back here. Only numeric arrays are read: structures, cells, objects and functions are
+left out and named.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.logs.readers.matlab5 import read_matlab5
+
+Floats = NDArray[np.float64]
+
+LARGEST = 1 << 30
+"""Bytes of one variable beyond which a file is refused."""
+
+
+def read_mat(path: Path) -> tuple[dict[str, Floats], str]:
+    """Read every numeric variable of a MATLAB file.
+
+    Returns
+    -------
+    variables : dict
+        Arrays of floats, axes in MATLAB's order.
+    kind : str
+        ``MATLAB 5`` or ``MATLAB 7.3``.
+
+    Raises
+    ------
+    LogError
+        When the file is damaged or holds no numeric variable.
+    """
+    with path.open("rb") as file:
+        start = file.read(520)
+    if not start:
+        raise LogError(f"{path}: empty file")
+    if b"\x89HDF\r\n\x1a\n" in (start[:8], start[512:520]):
+        variables, kind = _read_hdf5(path), "MATLAB 7.3"
+    else:
+        variables, kind = read_matlab5(path), "MATLAB 5"
+    if not variables:
+        raise LogError(f"{path}: no numeric variable in it")
+    return variables, kind
+
+
+def _read_hdf5(path: Path) -> dict[str, Floats]:
+    import h5py
+
+    variables: dict[str, Floats] = {}
+    try:
+        with h5py.File(path, "r") as file:
+            for name in file:
+                item = file.get(name)
+                if not isinstance(item, h5py.Dataset) or item.dtype.kind not in "fiu":
+                    continue
+                if item.size is None or item.size * item.dtype.itemsize > LARGEST:
+                    raise LogError(f"{path}: {name}: claims shape {item.shape}, too large")
+                if item.attrs.get("MATLAB_empty", 0):
+                    continue
+                variables[str(name)] = np.asarray(item[()], dtype=np.float64).T
+    except LogError:
+        raise
+    except Exception as error:  # h5py passes on whatever the HDF5 library reports
+        raise LogError(f"{path}: not a readable MATLAB 7.3 file ({error})") from error
+    return variables

@@ -1,0 +1,241 @@
+"""Poses among arrays: which is the time, which are the poses, which the commands."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from posflock_robotarium.flocking.errors import LogError, ParameterError
+from posflock_robotarium.logs.readers import parameters
+from posflock_robotarium.logs.readers.layouts import COLUMN_ORDERS, increases, to_poses
+from posflock_robotarium.logs.readers.recording import LayoutError
+from posflock_robotarium.logs.readers.text import STATE_NAMES, TIME_NAMES
+
+Floats = NDArray[np.float64]
+
+POSE_NAMES = ("poses", "pose", "states", "state", "x_data", "xdata", "trajectory", "trajectories")
+COMMAND_NAMES = ("command", "commands", "dxu")
+STEP_NAMES = ("dt", "time_step", "timestep")
+
+
+@dataclass(frozen=True)
+class ReadOptions:
+    """What the user says about a file that does not say it itself.
+
+    Parameters
+    ----------
+    layout : str, optional
+        Axes of the array, one of ``T,3,N``, ``3,N,T``, ``T,N,3``, ``T,3N``, ``3N,T``.
+    columns : str, optional
+        ``state`` (x1…xN, y1…yN, …), ``robot`` (x1, y1, θ1, x2, …) or the names of all columns.
+    dt : float, optional
+        Seconds between samples, for files without time.
+    array : str, optional
+        Which array of a file with several holds the poses.
+    drop_damaged : bool
+        Leave rows with values that are not finite out, and keep their place as a gap.
+    """
+
+    layout: str | None = None
+    columns: str | None = None
+    dt: float | None = None
+    array: str | None = None
+    drop_damaged: bool = False
+
+    def __post_init__(self) -> None:
+        if self.dt is not None and not (np.isfinite(self.dt) and self.dt > 0):
+            raise ParameterError(f"--dt is {self.dt}; expected seconds between samples, above 0")
+
+    @property
+    def order(self) -> str | None:
+        """The column order, when `columns` is one and not a list of names."""
+        return self.columns if self.columns in COLUMN_ORDERS else None
+
+
+@dataclass(frozen=True)
+class Found:
+    """Poses as found in a file, before anything is checked."""
+
+    t: Floats | None
+    poses: Floats
+    notes: tuple[str, ...]
+    command: Floats | None = None
+    dt: float | None = None
+    steps: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+    """What the certificate did at each step: ``moved``, ``smallest_h``, ``status`` (T,)."""
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+
+
+def poses_of_array(array: Floats, where: str, options: ReadOptions) -> Found:
+    """Find the poses, and a time if there is one, in a single array without names."""
+    notes = [f"NumPy array of shape {array.shape}"]
+    t: Floats | None = None
+    layout = options.layout
+    if array.ndim == 2 and layout is None and array.size:
+        # One row or column more than three a robot, and always increasing: that is the time.
+        for axis, name in ((1, "T,3N"), (0, "3N,T")):
+            if array.shape[axis] % 3 == 1 and array.shape[axis] > 3 and array.shape[1 - axis] > 1:
+                first = array[:, 0] if axis else array[0]
+                if increases(first):
+                    t, array, layout = first, array[:, 1:] if axis else array[1:], name
+                    notes.append("first row or column increases throughout: taken for the time")
+                    break
+    poses, how = to_poses(array, where, layout, options.order)
+    return Found(t, poses, (*notes, how))
+
+
+def poses_among(
+    arrays: Mapping[str, NDArray[Any]], where: str, options: ReadOptions, kind: str = "arrays"
+) -> Found:
+    """Find time, poses, commands and what the run says about itself among named arrays."""
+    described = arrays.get(parameters.NAME)
+    arrays = {name: array for name, array in arrays.items() if name != parameters.NAME}
+    names = {name.lower(): name for name in arrays}
+    notes = [f"{kind} with {', '.join(arrays)}"]
+    t = next((_line(arrays[names[n]], where) for n in TIME_NAMES if n in names), None)
+    if t is not None and t.size < 2:
+        t = None
+    dt = next((_scalar(arrays[names[n]]) for n in STEP_NAMES if n in names), None)
+    samples = None if t is None else len(t)
+    triple = [
+        next((names[n] for n in (state, *STATE_NAMES[state]) if n in names), None)
+        for state in STATE_NAMES
+    ]
+    asked = options.array
+    if asked is None and all(name is not None for name in triple):
+        poses, how = _stack([arrays[str(name)] for name in triple], where, samples)
+        notes.append(f"x, y and heading from {', '.join(map(str, triple))}; {how}")
+    else:
+        name = _pose_array(arrays, names, where, asked, t)
+        array = floats(arrays[name], f"{where}: {name}")
+        poses, how = to_poses(
+            array, f"{where}: {name}", options.layout, options.order, samples=samples
+        )
+        notes.append(f"poses from {name}, shape {array.shape}, {how}")
+    command = next((arrays[names[n]] for n in COMMAND_NAMES if n in names), None)
+    found = _command(command, poses.shape) if command is not None else None
+    if found is not None:
+        notes.append("commands were recorded too")
+    said: dict[str, Any] = {}
+    if described is not None:
+        said = parameters.from_array(described, f"{where}: {parameters.NAME}")
+        notes.append("parameters of the run came with the file")
+    steps: dict[str, NDArray[Any]] = {
+        name: values
+        for name in ("moved", "smallest_h", "status")
+        if name in arrays and (values := _each_step(name, arrays[name], len(poses))) is not None
+    }
+    return Found(t, poses, tuple(notes), found, dt, steps, said)
+
+
+def codes_of(words: NDArray[np.str_]) -> NDArray[np.uint32]:
+    """Return words as rows of code points (T, letters), for files that hold numbers alone."""
+    letters = np.ascontiguousarray(words)
+    return letters.view(np.uint32).reshape(len(letters), -1)
+
+
+def _each_step(name: str, array: NDArray[Any], samples: int) -> NDArray[Any] | None:
+    """Return an array of the certificate as (T,), or None where it is something else."""
+    if name != "status":
+        fits = array.dtype.kind in "fiu" and array.size == max(array.shape, default=0) == samples
+        return floats(array, name).reshape(-1) if fits else None
+    if array.dtype.kind == "U" and array.shape == (samples,):
+        return array
+    if array.dtype.kind not in "fiu" or array.ndim != 2 or len(array) != samples:
+        return None
+    if not (array.size and ((array >= 0) & (array < 128)).all()):
+        return None
+    codes = np.ascontiguousarray(array.astype(np.uint32))
+    return codes.view(f"U{codes.shape[1]}").reshape(-1)
+
+
+def _pose_array(
+    arrays: Mapping[str, NDArray[Any]],
+    names: Mapping[str, str],
+    where: str,
+    asked: str | None,
+    t: Floats | None,
+) -> str:
+    if asked is not None:
+        if asked not in arrays:
+            raise LayoutError(f"{where}: no array {asked!r}; there are {', '.join(arrays)}")
+        return asked
+    likely = [names[n] for n in POSE_NAMES if n in names]
+    if len(likely) == 1:
+        return likely[0]
+    fitting = [
+        name
+        for name, array in arrays.items()
+        if array.ndim in (2, 3)
+        and array.dtype.kind in "fiu"
+        and any(s % 3 == 0 for s in array.shape)
+        and array.size >= 6
+        and min(array.shape) >= 1
+        and array.size != max(array.shape)
+        and (t is None or len(t) in array.shape)
+    ]
+    if len(fitting) == 1:
+        return fitting[0]
+    shown = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
+    raise LayoutError(
+        f"{where}: {'several arrays' if fitting else 'no array'} could hold the poses: {shown}; "
+        "name the one with --array"
+    )
+
+
+def _stack(parts: list[NDArray[Any]], where: str, samples: int | None) -> tuple[Floats, str]:
+    """Put x, y and θ of shape (T, N), (N, T) or (T,) together."""
+    states = [floats(part, where) for part in parts]
+    if len({state.shape for state in states}) != 1 or states[0].ndim not in (1, 2):
+        raise LayoutError(f"{where}: x, y and heading have shapes {[s.shape for s in states]}")
+    stacked = np.stack(states)
+    if stacked.ndim == 2:
+        return stacked.T[:, :, np.newaxis], "one robot"
+    _, first, second = stacked.shape
+    if samples is None:
+        samples = max(first, second)
+    if first == second or samples not in (first, second):
+        raise LayoutError(
+            f"{where}: x, y and heading of shape {(first, second)} and {samples} times: "
+            "which axis is time? Stack them into one array (T, 3, N)"
+        )
+    if first == samples:
+        return stacked.transpose(1, 0, 2), f"shape (T, N) with {second} robots"
+    return stacked.transpose(2, 0, 1), f"shape (N, T) with {first} robots"
+
+
+def _command(array: NDArray[Any], shape: tuple[int, ...]) -> Floats | None:
+    samples, _, robots = shape
+    if array.dtype.kind not in "fiu":
+        return None
+    if array.shape == (samples, 2, robots):
+        return np.asarray(array, dtype=np.float64)
+    if array.shape == (2, robots, samples):
+        return np.asarray(array.transpose(2, 0, 1), dtype=np.float64)
+    return None
+
+
+def _line(array: NDArray[Any], where: str) -> Floats:
+    values = floats(array, where)
+    if values.size != max(values.shape, default=1):
+        raise LayoutError(f"{where}: time has shape {values.shape}, expected one number a sample")
+    return values.reshape(-1)
+
+
+def _scalar(array: NDArray[Any]) -> float | None:
+    if array.size == 1 and array.dtype.kind in "fiu":
+        value = float(array.reshape(-1)[0])
+        return value if np.isfinite(value) and value > 0 else None
+    return None
+
+
+def floats(array: NDArray[Any], where: str) -> Floats:
+    """Return real numbers as floats; refuse anything else."""
+    if array.dtype.kind not in "fiu":
+        raise LogError(f"{where}: holds {array.dtype}, expected real numbers")
+    with np.errstate(all="ignore"):  # what does not fit becomes NaN or infinite, and is refused
+        return np.asarray(array, dtype=np.float64)

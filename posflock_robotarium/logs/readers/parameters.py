@@ -1,0 +1,72 @@
+"""What a log says about its run, carried inside files that otherwise hold numbers alone.
+
+A converted log takes its parameters along as one JSON object named `NAME`: an array of its bytes
+in ``.npz`` and ``.mat`` files, a comment ``# NAME: {…}`` in front of a CSV table. What reads the
+numbers without knowing of it loses nothing.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from posflock_robotarium.flocking.errors import LogError
+
+NAME = "posflock_parameters"
+LARGEST = 16 << 20
+"""Bytes beyond which no description of a run is read."""
+
+
+def to_json(parameters: Mapping[str, Any]) -> str:
+    """Return parameters as one line of ASCII, whatever their strings hold."""
+    return json.dumps(dict(parameters), default=_plain)
+
+
+def to_bytes(parameters: Mapping[str, Any]) -> NDArray[np.uint8]:
+    """Return parameters as an array, for files of arrays."""
+    return np.frombuffer(to_json(parameters).encode("ascii"), dtype=np.uint8)
+
+
+def from_json(text: str | bytes, where: str) -> dict[str, Any]:
+    """Read parameters back.
+
+    Raises
+    ------
+    LogError
+        When the text is too long, no JSON, or no object.
+    """
+    if len(text) > LARGEST:
+        raise LogError(f"{where}: {len(text)} bytes, too large for a description")
+    try:
+        parameters = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise LogError(f"{where}: not readable as JSON ({error})") from error
+    if not isinstance(parameters, dict):
+        raise LogError(
+            f"{where}: expected an object of parameters, got {type(parameters).__name__}"
+        )
+    return parameters
+
+
+def from_array(array: NDArray[Any], where: str) -> dict[str, Any]:
+    """Read parameters back from the bytes of `to_bytes`, in whatever number type they come.
+
+    Raises
+    ------
+    LogError
+        When the array holds no bytes, or they are no parameters.
+    """
+    if array.dtype.kind not in "fiu" or array.size > LARGEST:
+        raise LogError(f"{where}: expected bytes, got {array.dtype} of shape {array.shape}")
+    values = np.asarray(array).reshape(-1)
+    if not ((values >= 0) & (values <= 255)).all():
+        raise LogError(f"{where}: expected bytes, got numbers that are none")
+    return from_json(values.astype(np.uint8).tobytes(), where)
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else str(value)

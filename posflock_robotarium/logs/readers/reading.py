@@ -1,0 +1,266 @@
+"""One entry for all files: look at what it is, read it, and say how.
+
+The kind of a file is told by its first bytes, not by its ending, so a ``.mat`` that is really
+version 7.3, or a ``.txt`` with commas, is read for what it is.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from posflock_robotarium.flocking.errors import LogError, ParameterError
+from posflock_robotarium.flocking.pose_log import log_paths
+from posflock_robotarium.logs.readers.matlab import read_mat
+from posflock_robotarium.logs.readers.named_arrays import (
+    Found,
+    ReadOptions,
+    floats,
+    poses_among,
+    poses_of_array,
+)
+from posflock_robotarium.logs.readers.numpy_files import fields_of, read_npy, read_npz
+from posflock_robotarium.logs.readers.pose_logs import FIELDS, read_pose_log
+from posflock_robotarium.logs.readers.recording import LayoutError, Recording
+from posflock_robotarium.logs.readers.text import STATE_NAMES, TIME_NAMES, read_text
+
+Floats = NDArray[np.float64]
+
+LONGEST_STEP = 5.0
+"""Seconds between poses beyond which nothing is told of motion, and times have another unit."""
+
+
+def read(path: str | os.PathLike[str], options: ReadOptions | None = None) -> Recording:
+    """Read one run from one file of any known kind.
+
+    Parameters
+    ----------
+    path : path
+        A pose log (with or without ``.npy``), ``.npy``, ``.npz``, ``.mat``, CSV or text.
+    options : ReadOptions, optional
+        What the file does not say itself.
+
+    Returns
+    -------
+    Recording
+        Checked poses over time, with notes on how they were read.
+
+    Raises
+    ------
+    LogError
+        When the file is missing, empty, cut off, damaged or runs backwards in time.
+    LayoutError
+        When the file is sound but could be read in more than one way.
+    """
+    options = options or ReadOptions()
+    file = _existing(Path(path))
+    kind = _kind(file)
+    if kind == "npy":
+        array = read_npy(file)
+        if array.dtype.names == FIELDS and array.ndim == 1:
+            return read_pose_log(file, array)
+    found = _find(file, kind, options)
+    return _recording(found, file.stem, (str(file),), options)
+
+
+def read_parts(
+    paths: Sequence[str | os.PathLike[str]], options: ReadOptions | None = None
+) -> Recording:
+    """Read one run that was saved in several files.
+
+    The files are either consecutive parts, each with its own poses, in order of time; or they
+    complement each other (``poses.npy`` and ``time.npy``; ``x.npy``, ``y.npy``, ``theta.npy``).
+
+    Raises
+    ------
+    LogError, LayoutError
+        As `read`, and when the parts do not fit together.
+    """
+    options = options or ReadOptions()
+    files = [_existing(Path(path)) for path in paths]
+    if not files:
+        raise ParameterError("no file to read")
+    if len(files) == 1:
+        return read(files[0], options)
+    named = _complementary(files)
+    if named is not None:
+        sources = tuple(str(file) for file in files)
+        found = poses_among(named, " + ".join(file.name for file in files), options)
+        joined = f"{len(files)} files that complement each other: {', '.join(named)}"
+        return _recording(found, files[0].parent.name or "run", sources, options).noted(joined)
+    return _concatenate([read(file, options) for file in files])
+
+
+def _existing(path: Path) -> Path:
+    candidates = [path, path.with_name(path.name + ".npy")]
+    if path.suffix == ".json":
+        candidates.insert(0, log_paths(path)[0])
+    for candidate in candidates:
+        if candidate.is_file():
+            return candidate
+    if path.is_dir():
+        raise LogError(f"{path}: a folder; name the log file in it")
+    raise LogError(f"{path}: no such file")
+
+
+def _kind(file: Path) -> str:
+    try:
+        with file.open("rb") as stream:
+            start = stream.read(520)
+    except OSError as error:
+        raise LogError(f"{file}: cannot be read ({error.strerror})") from error
+    if not start:
+        raise LogError(f"{file}: empty file")
+    if start.startswith(b"\x93NUMPY"):
+        return "npy"
+    if start.startswith((b"PK\x03\x04", b"PK\x05\x06")):
+        return "npz"
+    if start.startswith(b"MATLAB") or b"\x89HDF\r\n\x1a\n" in (start[:8], start[512:520]):
+        return "mat"
+    if start[:1] == b"\x80" or file.suffix in (".pkl", ".pickle"):
+        raise LogError(f"{file}: a pickle, which can run code when read: refused; save an .npz")
+    if file.suffix in (".npy", ".npz", ".mat"):
+        raise LogError(f"{file}: not a {file.suffix} file, or its beginning is damaged")
+    return "text"
+
+
+def _find(file: Path, kind: str, options: ReadOptions) -> Found:
+    where = str(file)
+    if kind == "text":
+        t, poses, notes, said = read_text(file, options.layout, options.columns)
+        return Found(t, poses, tuple(notes), parameters=said)
+    if kind == "npz":
+        return poses_among(read_npz(file), where, options, "NumPy archive")
+    if kind == "mat":
+        variables, version = read_mat(file)
+        return poses_among(variables, where, options, f"{version} file")
+    array = read_npy(file)
+    if array.dtype.names is not None:
+        return poses_among(fields_of(array, where), where, options, "structured NumPy array")
+    return poses_of_array(floats(array, where), where, options)
+
+
+def _usual_step(t: Floats) -> float:
+    """Return the median time between poses, s; 0 where no two times are known."""
+    known = t[np.isfinite(t)]
+    with np.errstate(over="ignore"):
+        return float(np.median(np.diff(known))) if len(known) > 1 else 0.0
+
+
+def _recording(
+    found: Found, name: str, sources: tuple[str, ...], options: ReadOptions
+) -> Recording:
+    where = sources[0]
+    poses = found.poses
+    steps = dict(found.steps)
+    if found.command is not None:
+        steps["command"] = found.command
+    notes = list(found.notes)
+    if found.t is not None:
+        t = found.t
+        if options.dt is not None:
+            notes.append("--dt not used: the file has times of its own")
+    else:
+        dt = options.dt or found.dt
+        if dt is None:
+            raise LayoutError(
+                f"{where}: no time in it; say the seconds between samples, for example "
+                "--dt 0.033 (the testbed's step)"
+            )
+        t = dt * np.arange(len(poses), dtype=float)
+        notes.append(f"no time in the file: samples {dt:g} s apart")
+    if len(t) != len(poses):
+        raise LogError(f"{where}: {len(t)} times for {len(poses)} poses")
+    if (step := _usual_step(t)) > LONGEST_STEP:
+        raise LayoutError(
+            f"{where}: {step:g} s from one pose to the next, expected at most {LONGEST_STEP:g} s: "
+            "are the times in milliseconds? Write them in seconds, or name the column time_ms"
+        )
+    reached = _reached(poses)
+    if reached < len(poses):
+        notes.append(f"cut at row {reached} of {len(poses)}: the rest was never filled in")
+        poses, t = poses[:reached], t[:reached]
+        steps = {name: values[:reached] for name, values in steps.items()}
+    if options.drop_damaged and len(poses):
+        sound = np.isfinite(poses).all(axis=(1, 2)) & np.isfinite(t)
+        if not sound.all():
+            notes.append(f"{int((~sound).sum())} damaged row(s) left out, as asked")
+            poses, t = poses[sound], t[sound]
+            steps = {name: values[sound] for name, values in steps.items()}
+    if len(t) and np.isfinite(t[0]) and abs(t[0]) > 1e5:
+        notes.append(f"time counted from the first pose, recorded as {t[0]:.3f} s")
+        t = t - t[0]
+    return Recording(
+        name=name,
+        t=np.ascontiguousarray(t),
+        poses=np.ascontiguousarray(poses),
+        command=steps.get("command"),
+        moved=steps.get("moved"),
+        smallest_h=steps.get("smallest_h"),
+        status=steps.get("status"),
+        parameters=found.parameters,
+        notes=tuple(notes),
+        sources=sources,
+    )
+
+
+def _reached(poses: Floats) -> int:
+    """Rows before a tail that was prepared and never filled: all NaN, or all robots at 0, 0, 0."""
+    blank = np.isnan(poses).all(axis=(1, 2))
+    if poses.shape[2] > 1:
+        blank |= (poses == 0).all(axis=(1, 2))
+    filled = np.flatnonzero(~blank)
+    return int(filled[-1]) + 1 if filled.size else 0
+
+
+def _complementary(files: list[Path]) -> dict[str, NDArray[Any]] | None:
+    """Return the files as named arrays when one of them is a time, or they are x, y and θ."""
+    if any(_kind(file) != "npy" for file in files):
+        return None
+    # run3_x, run3_y and run3_theta are x, y and theta.
+    starts = {file.stem.rpartition("_")[0] + "_" for file in files}
+    prefix = starts.pop() if len(starts) == 1 else ""
+    named: dict[str, NDArray[Any]] = {}
+    for file in files:
+        array = read_npy(file)
+        if array.dtype.names is not None:
+            return None
+        named[file.stem.removeprefix(prefix)] = array
+    words = {name.lower() for name in named}
+    has_time = bool(words & set(TIME_NAMES))
+    has_states = all(words & {state, *STATE_NAMES[state]} for state in STATE_NAMES)
+    return named if len(named) == len(files) and (has_time or has_states) else None
+
+
+def _concatenate(parts: list[Recording]) -> Recording:
+    robots = {part.robots for part in parts}
+    if len(robots) != 1:
+        raise LogError(f"parts of one run with different numbers of robots: {sorted(robots)}")
+    times: list[Floats] = []
+    notes = [f"{len(parts)} files, one after the other"]
+    for part in parts:
+        t = part.t
+        if times and any("no time in the file" in note for note in part.notes):
+            t = t + times[-1][-1] + part.step
+        if times and t[0] <= times[-1][-1]:
+            raise LogError(
+                f"{part.sources[0]}: begins at {t[0]:g} s, before the part before it ends "
+                f"({times[-1][-1]:g} s); name the parts in order, or report them as several runs"
+            )
+        times.append(t)
+    commands = [part.command for part in parts]
+    sound = [command for command in commands if command is not None]
+    return Recording(
+        name=parts[0].name,
+        t=np.concatenate(times),
+        poses=np.concatenate([part.poses for part in parts]),
+        command=np.concatenate(sound) if len(sound) == len(parts) else None,
+        parameters=parts[0].parameters,
+        notes=(*notes, *parts[0].notes),
+        sources=tuple(source for part in parts for source in part.sources),
+    )

@@ -1,0 +1,158 @@
+"""What every reader returns: one run as poses over time, with the story of how it was read.
+
+A `Recording` is checked once, here, so that the analysis behind it never meets a NaN, a step back
+in time or an array of the wrong shape. Two things that look like damage are kept on purpose: a
+*gap* (samples missing in the middle) stays a gap, never bridged by an estimator, and a *short*
+run (cut off by a kill, a collision stop or an interrupt) is simply short.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from barrier_certificates import ties
+from posflock_robotarium.flocking.errors import LogError
+
+Floats = NDArray[np.float64]
+
+GAP_FACTOR = 3.0
+"""A step longer than this many median steps is a gap, not a slow loop."""
+
+FARTHEST = 1e4
+"""Metres from the origin beyond which a position is taken for damage, not for a robot."""
+
+LARGEST_HEADING = 1e6
+"""Radians beyond which a heading is taken for damage (unwrapped headings stay far below)."""
+
+
+class LayoutError(LogError):
+    """The file is sound, but more than one reading of it is possible (or none): say which."""
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Poses of one run over time, and all that is known about it.
+
+    Parameters
+    ----------
+    name : str
+        What the run is called in tables and on the page (the file's stem).
+    t : ndarray, shape (T,)
+        Seconds, strictly increasing.
+    poses : ndarray, shape (T, 3, N)
+        x, y in metres and heading in radians.
+    command : ndarray, shape (T, 2, N), optional
+        Commanded linear (m/s) and angular (rad/s) velocity.
+    moved : ndarray, shape (T,), optional
+        Intervention of the certificate: how far it changed a velocity at most, each step (m/s).
+    smallest_h : ndarray, shape (T,), optional
+        Barrier value of what was nearest to being unsafe, each step.
+    status : ndarray of str, shape (T,), optional
+        What the certificate answered at each step.
+    parameters : mapping
+        Whatever the log says about the run: law, seed, versions, how it ended.
+    notes : tuple of str
+        How the file was read, one sentence a decision.
+    sources : tuple of str
+        The files that were read.
+
+    Raises
+    ------
+    LogError
+        When shapes disagree, a value is not finite or absurd, or time does not increase.
+    """
+
+    name: str
+    t: Floats
+    poses: Floats
+    command: Floats | None = None
+    moved: Floats | None = None
+    smallest_h: Floats | None = None
+    status: NDArray[np.str_] | None = None
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    sources: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        where = self.sources[0] if self.sources else self.name
+        if self.poses.ndim != 3 or self.poses.shape[1] != 3:
+            raise LogError(f"{where}: poses have shape {self.poses.shape}, expected (T, 3, N)")
+        samples, _, robots = self.poses.shape
+        if robots < 1:
+            raise LogError(f"{where}: no robot in it, shape {self.poses.shape}")
+        if samples < 2:
+            raise LogError(f"{where}: {samples} pose(s) over time; an analysis needs at least 2")
+        if self.t.shape != (samples,):
+            raise LogError(f"{where}: {self.t.shape[0]} times for {samples} poses")
+        _check_time(where, self.t)
+        _check_poses(where, self.poses)
+        for label, array in (("command", self.command), ("moved", self.moved)):
+            if array is not None and not np.isfinite(array).all():
+                row = int(np.flatnonzero(~np.isfinite(array.reshape(samples, -1)).all(axis=1))[0])
+                raise LogError(f"{where}: row {row}: {label} is not a finite number")
+
+    @property
+    def robots(self) -> int:
+        """How many robots were recorded."""
+        return int(self.poses.shape[2])
+
+    @property
+    def step(self) -> float:
+        """Median time between samples, in seconds."""
+        return float(np.median(np.diff(self.t)))
+
+    @property
+    def gaps(self) -> NDArray[np.intp]:
+        """Samples before which time is missing (indices into `t`)."""
+        steps = np.diff(self.t)
+        return np.flatnonzero(ties.beyond(steps, GAP_FACTOR * np.median(steps))) + 1
+
+    @property
+    def segments(self) -> list[slice]:
+        """The stretches between gaps; every sample is in exactly one."""
+        edges = [0, *self.gaps.tolist(), len(self.t)]
+        return [slice(first, last) for first, last in pairwise(edges)]
+
+    def noted(self, *notes: str) -> Recording:
+        """Return the same recording with more to say about how it was read."""
+        return replace(self, notes=self.notes + notes)
+
+
+def _check_time(where: str, t: Floats) -> None:
+    bad = np.flatnonzero(~np.isfinite(t))
+    if bad.size:
+        raise LogError(f"{where}: row {bad[0]}: time is {t[bad[0]]}, not a finite number")
+    back = np.flatnonzero(np.diff(t) <= 0)
+    if back.size:
+        row = int(back[0]) + 1
+        what = "stands still" if t[row] == t[row - 1] else "runs backwards"
+        raise LogError(
+            f"{where}: row {row}: time {what}, {t[row - 1]:g} s then {t[row]:g} s "
+            f"({back.size} such row(s)); sort or mend the file"
+        )
+
+
+def _check_poses(where: str, poses: Floats) -> None:
+    # One reduction for the common, sound case; the row is only looked for when there is one.
+    with np.errstate(invalid="ignore"):
+        positions_sound = bool(np.abs(poses[:, :2]).max() <= FARTHEST)
+        headings_sound = bool(np.abs(poses[:, 2]).max() <= LARGEST_HEADING)
+    if positions_sound and headings_sound:
+        return
+    limit = np.array([FARTHEST, FARTHEST, LARGEST_HEADING])[:, np.newaxis]
+    bad = ~(np.abs(poses) <= limit)
+    row, axis, robot = (int(index) for index in np.argwhere(bad)[0])
+    rows = int(bad.any(axis=(1, 2)).sum())
+    value = poses[row, axis, robot]
+    reason = "not a finite number" if not np.isfinite(value) else "no place a robot can be"
+    raise LogError(
+        f"{where}: row {row}: {('x', 'y', 'heading')[axis]} of robot {robot} is {value}, {reason} "
+        f"({rows} of {len(poses)} rows are damaged); "
+        "drop those rows (their place in time is then kept as a gap) with --drop-damaged"
+    )

@@ -1,0 +1,1 @@
+"""The flock in the simulated arena: one trial, and many in parallel."""

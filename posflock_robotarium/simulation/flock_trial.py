@@ -1,0 +1,97 @@
+"""One simulated trial of the flock in the arena, in memory: what studies are made of.
+
+`experiments/robotarium_9bot.py` does the same through the Robotarium's API and onto disk;
+here nothing is written, so that hundreds of trials cost no more than their computing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from posflock_robotarium.flocking.flock import Flock
+from posflock_robotarium.flocking.pose_log import Log, row_type
+from rps_compat.arena import Arena, Realism
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """What a trial leaves.
+
+    Attributes
+    ----------
+    log : Log
+        What the controller read and sent, as a pose log would hold it.
+    true_poses : (T, 3, N) array
+        Where the robots were when the poses of `log` were read; the same in the ideal arena.
+    """
+
+    log: Log
+    true_poses: NDArray[np.float64]
+
+    def truth(self) -> Log:
+        """Return the log with true poses in place of those that tracking reported."""
+        return replace(self.log, poses=self.true_poses)
+
+
+def simulate(
+    flock: Flock,
+    start: ArrayLike,
+    duration: float,
+    *,
+    realism: Realism | None = None,
+    seed: int = 0,
+) -> Trial:
+    """Let a flock drive in the arena for some time.
+
+    Parameters
+    ----------
+    flock : Flock
+        The controller; it is reset first.
+    start : (3, N) array
+        First poses, metres and radians.
+    duration : float
+        Seconds.
+    realism : Realism, optional
+        Imperfections of motors and tracking; none in the ideal arena.
+    seed : int
+        What the imperfections are drawn from.
+
+    Raises
+    ------
+    ParameterError
+        Where the start or the duration means nothing.
+    """
+    flock.reset()
+    steps = flock.steps_in(duration)
+    arena = Arena(np.asarray(start, dtype=float), realism=realism, rng=np.random.default_rng(seed))
+    rows = np.zeros(steps, dtype=row_type(arena.number_of_robots))
+    true_poses = np.empty((steps, 3, arena.number_of_robots))
+    for step in range(steps):
+        true_poses[step] = arena.poses
+        poses = arena.observe()
+        decision = flock.step(poses)
+        row = rows[step]
+        row["t"] = step * flock.time_step
+        row["pose"] = poses
+        for name, value in decision.logged().items():
+            row[name] = value
+        arena.commands = decision.command
+        arena.step()
+    description: dict[str, Any] = flock.parameters() | {
+        "seed": seed,
+        "ended": {"how": "finished", "reason": "", "rows": steps},
+    }
+    log = Log(
+        t=rows["t"],
+        poses=rows["pose"],
+        commands=rows["command"],
+        status=rows["status"],
+        moved=rows["moved"],
+        smallest_h=rows["smallest_h"],
+        metadata=description,
+    )
+    return Trial(log, true_poses)
