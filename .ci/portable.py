@@ -29,7 +29,7 @@ from pathlib import Path
 from typing import Any
 
 from posflock_robotarium.submission.interpreters import find_python
-from posflock_robotarium.testbed import LIBRARIES, PYTHON
+from rps_compat.scripts.libraries import LIBRARIES, PYTHON
 
 ROOT = Path(__file__).resolve().parents[1]
 
