@@ -9,6 +9,7 @@ from __future__ import annotations
 import builtins
 from typing import TYPE_CHECKING
 
+from rps_compat.scripts.changes import CHANGES
 from rps_compat.scripts.exports import canonical, exports
 from rps_compat.scripts.values import (
     ANYTHING,
@@ -33,7 +34,9 @@ if TYPE_CHECKING:
 
 #: An origin is followed no farther than this: ``x = x.T.copy()`` in a loop has no end.
 _LONGEST = 8
-_BUILTINS = frozenset(dir(builtins)) | {"ExceptionGroup", "BaseExceptionGroup"}
+_BUILTINS = frozenset(dir(builtins)) | {
+    path.removeprefix("builtins.") for path in CHANGES if path.startswith("builtins.")
+}
 #: What scripts call so where a star that cannot be read may have brought it.
 _CONVENTIONAL = {"np": "numpy", "plt": "matplotlib.pyplot"}
 

@@ -202,7 +202,7 @@ class _Detector:
             return
         found = list(self._module_use(node.names[0], path))
         yield from found
-        if found:
+        if any(use.matters(generation) for use in found for generation in api.BOTH):
             return
         for alias in node.names:
             if alias.name == "*":
