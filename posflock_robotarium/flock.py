@@ -106,8 +106,9 @@ class FlockStep:
         What the certificate said: trivial, optimal, relaxed or failed.
     intervention : float
         How far it changed a robot's velocity at most, m/s.
-    smallest_h : float
-        The barrier of what is nearest to being unsafe: m² for a pair, m for a wall.
+    clearance : float
+        How far the team is from being unsafe, m: the least over pairs of look-ahead points of their
+        distance less the safety radius, and over walls of the distance less the margin.
     turning : float
         By how much arena steering turned the common velocity in this step, rad.
     """
@@ -115,7 +116,7 @@ class FlockStep:
     command: Floats
     status: str
     intervention: float
-    smallest_h: float
+    clearance: float
     turning: float
 
     def logged(self) -> dict[str, Any]:
@@ -124,7 +125,7 @@ class FlockStep:
             "command": self.command,
             "status": self.status,
             "moved": self.intervention,
-            "smallest_h": self.smallest_h,
+            "clearance": self.clearance,
         }
 
 
@@ -266,7 +267,7 @@ class Flock:
             command=command,
             status=info.status,
             intervention=info.intervention,
-            smallest_h=info.smallest_h,
+            clearance=info.clearance,
             turning=turning,
         )
 
