@@ -17,7 +17,7 @@ and there are two cases:
 
 The two cases meet if every h below which one step at top speed reaches zero is of the first kind,
 ``(r + 2 s dt)² − r² ≤ 1/√(γ dt)``. That is the largest gain, far above any in use at the testbed's
-0.033 s: with r = 0.20 m, γ = 1000 and s = 0.153 m/s, ``1/√(γ dt)`` is 0.174 m², or 0.46 m of
+0.033 s: with r = 0.20 m, γ = 2000 and s = 0.153 m/s, ``1/√(γ dt)`` is 0.123 m², or 0.40 m of
 distance, of which a step can take 10 mm. A wall is the same with ``g − dt 0.4 γ g³``.
 
 The guarantee is for velocities that are *executed as certified*. Clipping them afterwards, a delay,

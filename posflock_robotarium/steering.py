@@ -2,7 +2,7 @@ r"""Arena steering: the flock's common velocity turns away from walls, its relat
 
 An addition to the paper's law.  The paper's flock drifts at about 0.05 m/s and meets a wall of the
 arena within half a minute.  There the certificate parks it: headings stay parallel, so γ from
-headings still reads 0.997, while nothing moves.  Pushing each robot off its wall does not help: the
+headings still reads 0.98, while robots creep.  Pushing each robot off its wall does not help: the
 drift comes back, since what drives it, an imbalance of the formation, is still there.  So steering
 turns the drive itself.  With :math:`\bar u` and :math:`\bar w` the means of inputs and velocities
 over the flock,

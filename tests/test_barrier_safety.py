@@ -289,10 +289,10 @@ def test_no_step_reaches_zero_up_to_the_largest_gain(radius, speed, step, near, 
 
 @given(st.integers(0, 2**32 - 1), st.floats(0.0, 1.0))
 def test_the_flocks_gain_keeps_robots_apart_from_every_safe_state(seed, near):
-    """γ = 1000 at 0.20 m in steps of 33 ms: on both sides of h = 1/√(γ dt), whatever is wanted."""
+    """γ = 2000 at 0.20 m in steps of 33 ms: on both sides of h = 1/√(γ dt), whatever is wanted."""
     rng = np.random.default_rng(seed)
     certificate = UnicycleCertificate(
-        0.20, 1000.0, speed_limit=0.15, turn_rate_limit=0.55, time_step=STEP
+        0.20, 2000.0, speed_limit=0.15, turn_rate_limit=0.55, time_step=STEP
     )
     angle, (first, second) = rng.uniform(-np.pi, np.pi), rng.uniform(-np.pi, np.pi, 2)
     apart = 0.20 + 0.5 * near**3
