@@ -12,8 +12,8 @@ export OPENBLAS_NUM_THREADS ?= 1
 export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: demo test test-slow test-numpy1 lint bench bench-nine bench-rps bench-barriers bench-verify \
-	bench-report bench-fuzz bench-paper lock clean help
+.PHONY: demo test test-slow test-numpy1 test-portable lint bench bench-nine bench-rps bench-barriers bench-verify \
+	bench-report bench-fuzz bench-paper bench-machines lock clean help
 .DEFAULT_GOAL := help
 
 help:  ## this list
@@ -40,16 +40,11 @@ test: $(VENV)/.dev  ## the test suite
 test-slow: $(VENV)/.dev  ## the tests that take minutes
 	$(BIN)/python -m pytest -m slow $(PYTEST_ARGS)
 
-# The oldest NumPy that is supported, on Pythons that still have it (3.10 to 3.12); the newest
-# cvxpy and pyarrow need NumPy 2.
-$(VENV)-numpy1/.dev: setup.cfg constraints.txt
-	$(PYTHON) -m venv $(VENV)-numpy1
-	grep -vE '^(numpy|cvxpy|pyarrow)==' constraints.txt > $(VENV)-numpy1/constraints.txt
-	$(VENV)-numpy1/bin/pip install -q -c $(VENV)-numpy1/constraints.txt 'numpy <2' 'pyarrow <20' -e '.[test]'
-	@touch $@
+test-numpy1: $(VENV)/.dev  ## the test suite on NumPy 1.26, the oldest that is supported
+	$(BIN)/python .ci/portable.py --environment numpy1 $(PYTEST_ARGS)
 
-test-numpy1: $(VENV)-numpy1/.dev  ## the test suite on NumPy 1.26
-	$(VENV)-numpy1/bin/python -m pytest -n 2 $(PYTEST_ARGS)
+test-portable: $(VENV)/.dev  ## the tests as other processors, numpys and Pythons compute
+	$(BIN)/python .ci/portable.py $(PYTEST_ARGS)
 
 lint: $(VENV)/.dev  ## ruff, mypy --strict, import rules
 	$(BIN)/ruff check .
@@ -57,7 +52,7 @@ lint: $(VENV)/.dev  ## ruff, mypy --strict, import rules
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: bench-nine bench-rps bench-barriers bench-verify bench-report bench-fuzz bench-paper  ## every benchmark
+bench: bench-nine bench-rps bench-barriers bench-verify bench-report bench-fuzz bench-paper bench-machines  ## every benchmark
 
 bench-nine: $(VENV)/.dev  ## the nine-robot experiment against its acceptance table
 	$(BIN)/python benchmarks/nine_robots.py
@@ -82,6 +77,9 @@ bench-report: $(VENV)/.dev  ## estimators against truth; cost of an analysis ove
 bench-fuzz: $(VENV)/.dev  ## twenty thousand damaged files through the readers of logs
 	$(BIN)/python benchmarks/fuzz_readers.py
 
+bench-machines: $(VENV)/.dev  ## how far runs of one seed drift apart from machine to machine
+	$(BIN)/python benchmarks/machine_differences.py
+
 bench-paper: $(VENV)/.dev  ## the paper's table over seeds, what flocks and sweeps cost
 	$(BIN)/python benchmarks/paper_table.py
 	$(BIN)/python benchmarks/freespace_speed.py
@@ -91,4 +89,4 @@ lock:  ## renew constraints.txt from the ranges in setup.cfg (needs uv)
 	uv pip compile --universal --python-version 3.10 --extra dev --no-annotate --no-header -q setup.cfg -o constraints.txt
 
 clean:  ## remove environments and results
-	rm -rf $(VENV) $(VENV)-numpy1 results build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) .venv-numpy1 .venv-testbed .venv-newest results build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

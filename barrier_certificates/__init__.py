@@ -17,6 +17,7 @@ From the outside in:
 - `solvers`: who solves a small program, one module a solver;
 - `rows`: what must hold: pairs, walls, obstacles, limits, and how a team's rows lie in arrays;
 - `deadlock`: robots that are safe but stuck; `guarantee`: what holds in steps, and what voids it;
+- `ties`: what is decided where numbers are equal but for their last bits;
 - `certificate_errors`: what is raised, under one root; `checks`: who raises most of it.
 
 Public are these modules and packages, with the names that their ``__all__`` lists; names with an

@@ -227,7 +227,7 @@ class Certificate(ABC):
         return self._memory.book.margins(scene, within)
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class _Memory:
     """What a certificate keeps from step to step: rows in arrays, who bound, who was held."""
 

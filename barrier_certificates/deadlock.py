@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from barrier_certificates import checks
+from barrier_certificates import checks, ties
 from barrier_certificates.array_types import BoolArray, FloatArray
 
 __all__ = ["DeadlockMonitor", "DeadlockParameters", "tilt"]
@@ -81,8 +81,8 @@ class DeadlockMonitor:
         wish = np.hypot(desired[0], desired[1])
         held = (wish > p.idle) & (np.hypot(velocity[0], velocity[1]) < p.held * wish)
         self._held = np.where(held, self._held + p.time_step, 0.0)
-        held_back = np.abs(velocity - command).max(axis=0) > 1e-9
-        self._stuck = (stuck & held_back) | (self._held > p.patience)
+        held_back = ties.beyond(np.abs(velocity - command).max(axis=0), 0.0)
+        self._stuck = (stuck & held_back) | ties.beyond(self._held, p.patience)
 
 
 def tilt(velocity: FloatArray, angle: float) -> FloatArray:

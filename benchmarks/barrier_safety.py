@@ -2,8 +2,8 @@
 
 Teams of 2 to 20 single integrators and unicycles start safe in the testbed's arena and are given
 random commands, commands that attack (each robot drives at its nearest neighbour, or at a wall),
-and commands to swap places. After every step: has a barrier that was not negative become negative,
-has a limit been exceeded, has the program been without solution? All three must never happen.
+and commands to swap places. After every step: has a team that was safe become unsafe, has a limit
+been exceeded, has the program been without solution? All three must never happen.
 
 Then the ellipse swap with limits in the program, and with limits clipped afterwards, for
 comparison; and what the arc of turning robots does where the certificate is not told the time step.
@@ -41,7 +41,7 @@ class Tally:
     turned_unsafe: int = 0
     beyond_limit: int = 0
     without_solution: int = 0
-    smallest_h: float = np.inf
+    clearance: float = np.inf
     largest_violation: float = 0.0
     intervened: int = 0
     statuses: dict[str, int] = field(default_factory=dict)
@@ -50,21 +50,21 @@ class Tally:
         """Add what happened elsewhere."""
         for name in ("steps", "turned_unsafe", "beyond_limit", "without_solution", "intervened"):
             setattr(self, name, getattr(self, name) + getattr(other, name))
-        self.smallest_h = min(self.smallest_h, other.smallest_h)
+        self.clearance = min(self.clearance, other.clearance)
         self.largest_violation = max(self.largest_violation, other.largest_violation)
 
     def line(self, name: str) -> str:
         """Return the tally as a line of the table."""
         return (
             f"{name:<40}{self.steps:>8}{self.intervened:>11}{self.turned_unsafe:>8}"
-            f"{self.beyond_limit:>8}{self.without_solution:>11}{self.smallest_h:>12.2e}"
+            f"{self.beyond_limit:>8}{self.without_solution:>11}{self.clearance:>12.2e}"
             f"{self.largest_violation:>11.1e}"
         )
 
 
 HEAD = (
-    f"{'':<40}{'steps':>8}{'moved':>11}{'unsafe':>8}{'limits':>8}{'infeasible':>11}"
-    f"{'smallest h':>12}{'violation':>11}"
+    f"{'':<40}{'steps':>8}{'intervened':>11}{'unsafe':>8}{'limits':>8}{'infeasible':>11}"
+    f"{'clearance':>12}{'violation':>11}"
 )
 
 
@@ -137,13 +137,13 @@ def run(
             velocity, info = certificate(command, points)
             excess = np.hypot(*velocity).max() - SPEED
             poses[:2] += STEP * velocity
-        tally.turned_unsafe += info.smallest_h < 0 <= before
+        tally.turned_unsafe += info.clearance < 0 <= before
         tally.beyond_limit += excess > ALLOWED
         tally.without_solution += info.status not in ("trivial", "optimal")
         tally.intervened += info.status != "trivial"
-        tally.smallest_h = min(tally.smallest_h, info.smallest_h)
+        tally.clearance = min(tally.clearance, info.clearance)
         tally.largest_violation = max(tally.largest_violation, info.violation)
-        before = info.smallest_h
+        before = info.clearance
     return tally
 
 
@@ -180,10 +180,10 @@ def ellipse(clip: bool, steps: int) -> Tally:
         )
         if clip:
             v, w = np.clip(v, -speed, speed), np.clip(w, -turn, turn)
-        tally.turned_unsafe += info.smallest_h < 0
+        tally.turned_unsafe += info.clearance < 0
         tally.without_solution += info.status not in ("trivial", "optimal")
         tally.intervened += info.status != "trivial"
-        tally.smallest_h = min(tally.smallest_h, info.smallest_h)
+        tally.clearance = min(tally.clearance, info.clearance)
         tally.largest_violation = max(tally.largest_violation, info.violation)
         poses = poses + STEP * np.stack([v * e[0], v * e[1], w])
     return tally
@@ -207,7 +207,7 @@ def main() -> int:
     print(total.line("all"))
     holds = not (total.turned_unsafe or total.beyond_limit or total.without_solution)
 
-    print("ellipse swap of ten unicycles, 8000 steps (unsafe: every step with h < 0)")
+    print("ellipse swap of ten unicycles, 8000 steps (unsafe: every step with clearance < 0)")
     inside, after = ellipse(False, 8000), ellipse(True, 8000)
     print(inside.line("limits in the program"))
     print(after.line("limits clipped afterwards"))

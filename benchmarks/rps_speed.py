@@ -1,7 +1,15 @@
-"""How fast scripts run: steps a second of CPU time, construction, the price of plotting.
+"""How fast scripts run, against what others would write, and what plotting adds.
 
-Each figure is the median of interleaved repetitions in process CPU time; run it with one BLAS
-thread, as ``make bench-rps`` does. Prints measured against required; exits 1 where one is missed.
+What is judged are ratios of CPU time, taken in turns:
+
+- a step of nine robots through the API against the same arithmetic in plain numpy, without an API
+  (`references.plain_step`);
+- a script with a boundary certificate against the same script with the certificate as it is
+  commonly written, dense and by cvxopt (`references.dense_certificate`);
+- making an instance against the same plain numpy steps;
+- a script that plots in every step against the same script without.
+
+Memory is judged as it is. Exits 1 where a bar is missed.
 """
 
 import argparse
@@ -9,16 +17,25 @@ import gc
 import resource
 import sys
 import tempfile
-import time
 from collections.abc import Callable
 from contextlib import redirect_stdout
+from functools import partial
 from pathlib import Path
-from statistics import median
 
 import numpy as np
+from comparing import Table, Times, cpu
+from references import dense_certificate, plain_step
 
 import rps_compat
-from rps_compat.runner import RunSettings, run_script
+from rps_compat.arena import GTERNAL
+from rps_compat.run_settings import RunSettings
+from rps_compat.runner import run_script
+
+STEPS, DRAWN, INSTANCES = 3000, 500, 20
+#: Most that each may take of its reference. Measured: see docs/api-compatibility.md.
+MOST_STEP, MOST_CONSTRUCTION, MOST_PLOTTING = 1.0, 12.0, 1.5
+MOST_CERTIFIED = {9: 0.12, 50: 0.02}
+MOST_GROWTH = 10  # MB
 
 #: A script that circles with a boundary certificate; {plot} is what it draws in every step.
 SCRIPT = """
@@ -56,49 +73,68 @@ PLOTS = {
 }
 
 
+def places(robots: int) -> np.ndarray:
+    """Poses on a grid, (3, robots)."""
+    x, y = np.meshgrid(np.linspace(-1.4, 1.4, 10), np.linspace(-0.8, 0.8, 5))
+    return np.stack([x.ravel(), y.ravel(), np.zeros(50)])[:, :robots]
+
+
 def robotarium(api: int, robots: int, **options: object) -> object:
     from rps.robotarium import Robotarium
 
-    x, y = np.meshgrid(np.linspace(-1.4, 1.4, 10), np.linspace(-0.8, 0.8, 5))
-    poses = np.stack([x.ravel(), y.ravel(), np.zeros(50)])[:, :robots]
     if api == 2:
         options["skip_initialization"] = True
     options = {"show_figure": False, "sim_in_real_time": False, **options}
-    return Robotarium(number_of_robots=robots, initial_conditions=poses, **options)
+    return Robotarium(number_of_robots=robots, initial_conditions=places(robots), **options)
 
 
-def steps_per_second(api: int, robots: int, steps: int, certified: bool) -> float:
-    r = robotarium(api, robots)
-    ids = np.arange(robots)
-    command = np.stack([np.zeros(robots), np.full(robots, 0.5)])
-    if certified:
-        from rps.utilities import barrier_certificates as certificates
-        from rps.utilities.transformations import create_si_to_uni_mapping
+def stepping(api: int) -> Callable[[], float]:
+    """Return what steps nine robots that turn on the spot."""
 
-        name = (
-            "create_si_barrier_certificate_with_boundary"
-            if api == 2
-            else ("create_single_integrator_barrier_certificate_with_boundary")
-        )
-        barrier = getattr(certificates, name)()
-        si_to_uni, _ = create_si_to_uni_mapping()
-        goals = r.get_poses()[:2, ::-1].copy()  # everybody changes places
-        r.step()
-    began = time.process_time()
-    for _ in range(steps):
-        x = r.get_poses()
-        if certified:
-            command = si_to_uni(barrier(0.15 * np.sign(goals - x[:2]), x[:2]), x)
-        r.set_velocities(ids, command)
-        r.step()
-    return steps / (time.process_time() - began)
+    def loop() -> None:
+        for _ in range(STEPS):
+            r.get_poses()
+            r.set_velocities(ids, command)
+            r.step()
+
+    r, ids = robotarium(api, 9), np.arange(9)
+    command = np.stack([np.zeros(9), np.full(9, 0.5)])
+    return lambda: cpu(loop)
 
 
-def construction(api: int) -> float:
-    began = time.process_time()
-    for _ in range(20):
-        robotarium(api, 9)
-    return (time.process_time() - began) / 20
+def plain_stepping() -> float:
+    """Do the same without an API."""
+
+    def loop() -> None:
+        for _ in range(STEPS):
+            plain_step(poses, command, GTERNAL, pairs)
+
+    poses = places(9)
+    command = np.stack([np.zeros(9), np.full(9, 0.5)])
+    pairs = np.triu_indices(9, 1)
+    return cpu(loop)
+
+
+def swapping(api: int, robots: int, steps: int, dense: bool = False) -> float:
+    """Let everybody change places behind a boundary certificate, ours or the common one."""
+    from rps.utilities import barrier_certificates as certificates
+    from rps.utilities.transformations import create_si_to_uni_mapping
+
+    kind = "si" if api == 2 else "single_integrator"
+    ours = getattr(certificates, f"create_{kind}_barrier_certificate_with_boundary")
+    barrier = dense_certificate(GTERNAL.boundaries) if dense else ours()
+    to_command, _ = create_si_to_uni_mapping()
+    r, ids = robotarium(api, robots), np.arange(robots)
+    goals = places(robots)[:2, ::-1]
+
+    def loop() -> None:
+        for _ in range(steps):
+            x = r.get_poses()
+            velocities = barrier(0.15 * np.sign(goals - x[:2]), x[:2])
+            r.set_velocities(ids, to_command(velocities, x))
+            r.step()
+
+    return cpu(loop)
 
 
 def plotting(plot: str, steps: int, folder: Path) -> float:
@@ -114,67 +150,62 @@ def plotting(plot: str, steps: int, folder: Path) -> float:
 
 
 def growth(api: int) -> float:
-    """MB by which the process grows from the hundredth to the thousandth instance."""
+    """Return the MB by which the process grows from the hundredth to the thousandth instance."""
 
-    def run(instances: int) -> None:
+    def resident(instances: int) -> float:
         for _ in range(instances):
             r = robotarium(api, 9, show_figure=True)
             r.get_poses()
             r.step()
         gc.collect()
+        statm = Path("/proc/self/statm")
+        if statm.exists():
+            return int(statm.read_text().split()[1]) * resource.getpagesize() / 2**20
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024  # the most so far
 
-    run(100)
-    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    run(900)
-    return (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024
+    before = resident(100)
+    return resident(900) - before
 
 
-def interleaved(candidates: dict[str, Callable[[], float]], repetitions: int) -> dict[str, float]:
-    found: dict[str, list[float]] = {name: [] for name in candidates}
-    for _ in range(repetitions):
-        for name, candidate in candidates.items():
-            found[name].append(candidate())
-    return {name: median(values) for name, values in found.items()}
+def constructing(api: int) -> float:
+    """Return the CPU seconds of an instance."""
+    return cpu(lambda: [robotarium(api, 9) for _ in range(INSTANCES)]) / INSTANCES
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--repetitions", type=int, default=5)
-    repetitions = parser.parse_args().repetitions
-    rows: list[tuple[str, float, str, float]] = []
+    """Measure, print, and return 1 where a requirement is missed."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--rounds", type=int, default=5)
+    rounds = parser.parse_args().rounds
+    table = Table()
     for api in (1, 2):
         rps_compat.install(api=api)
-        speeds = interleaved(
-            {
-                "N = 9": lambda api=api: steps_per_second(api, 9, 5000, False),
-                "N = 9, boundary certificate": lambda api=api: steps_per_second(api, 9, 1000, True),
-                "N = 50, boundary certificate": lambda api=api: steps_per_second(
-                    api, 50, 200, True
-                ),
-            },
-            repetitions,
+        print(f"generation {api}")
+        times = Times({"ours": stepping(api), "plain": plain_stepping}, rounds)
+        table.ratio("nine robots, against plain numpy", times, "ours", "plain", MOST_STEP, STEPS)
+        print(f"    {STEPS / times.median('ours'):,.0f} steps a second of CPU time")
+        for robots, steps in ((9, 150), (50, 10)):
+            swap = partial(swapping, api, robots, steps)
+            times = Times({"ours": swap, "dense": partial(swap, dense=True)}, rounds)
+            what = f"{robots} robots and boundary, against dense cvxopt"
+            table.ratio(what, times, "ours", "dense", MOST_CERTIFIED[robots], steps)
+            print(f"    {steps / times.median('ours'):,.0f} steps a second of CPU time")
+        times = Times(
+            {"instance": partial(constructing, api), "step": lambda: plain_stepping() / STEPS},
+            rounds,
         )
-        for (name, speed), required in zip(speeds.items(), (20_000, 3_000, 400), strict=True):
-            rows.append((f"generation {api}, {name}: steps/s", speed, ">=", required))
-        seconds = interleaved({"": lambda api=api: construction(api)}, repetitions)[""]
-        rows.append((f"generation {api}, construction: ms", 1000 * seconds, "<=", 20))
-        rows.append((f"generation {api}, 900 more instances: MB", growth(api), "<=", 10))
+        what = "construction, against a plain numpy step"
+        table.ratio(what, times, "instance", "step", MOST_CONSTRUCTION)
+        table.bar("growth by 900 more instances", growth(api), "≤", MOST_GROWTH, "MB")
         rps_compat.uninstall()
+    print("plotting in every step, against the same script without")
     with tempfile.TemporaryDirectory() as folder:
-        costs = interleaved(
-            {plot: lambda plot=plot: plotting(plot, 1000, Path(folder)) for plot in PLOTS},
-            repetitions,
+        drawn = Times(
+            {plot: partial(plotting, plot, DRAWN, Path(folder)) for plot in PLOTS}, rounds
         )
-    for plot, cost in list(costs.items())[1:]:
-        rows.append(
-            (f"time of a script with {plot} in every step", cost / costs["nothing"], "<=", 1.5)
-        )
-    missed = 0
-    for name, measured, sign, required in rows:
-        met = measured >= required if sign == ">=" else measured <= required
-        missed += not met
-        print(f"{name:58} {measured:10.2f}  {sign} {required:<8g} {'' if met else 'MISSED'}")
-    return int(bool(missed))
+    for plot in list(PLOTS)[1:]:
+        table.ratio(plot, drawn, plot, "nothing", MOST_PLOTTING, DRAWN)
+    return table.exit_code()
 
 
 if __name__ == "__main__":

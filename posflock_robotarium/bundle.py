@@ -28,8 +28,11 @@ from posflock_robotarium import import_graph, testbed
 from posflock_robotarium.errors import OutputError, PosflockError
 from posflock_robotarium.verify.files import files_read
 from posflock_robotarium.verify.findings import count
-from posflock_robotarium.verify.generations import wrong_names
 from posflock_robotarium.verify.source import Source
+from rps_compat.scripts import libraries
+from rps_compat.scripts.program import read_program
+from rps_compat.scripts.source import read_script
+from rps_compat.scripts.uses import uses_in
 
 MANIFEST, INSTRUCTIONS = "MANIFEST", "SUBMIT.md"
 
@@ -146,13 +149,13 @@ def _require_complete(found: import_graph.Trace) -> None:
     for missing in found.missing:
         statement = missing.statement
         where = f"{missing.wanted_by.name}, line {statement.line}"
-        if statement.top == testbed.STAND_IN:
+        if statement.top == libraries.STAND_IN:
             raise BundleError(
                 f"{where}: imports {statement.module}, which stands in for rps on this machine"
                 " only; import rps, and rps_compat in `except ImportError`"
             )
-        instead = testbed.ABSENT.get(statement.top, "do without it, or upload its source files")
-        if statement.top in testbed.ABSENT or missing.installed_here:
+        instead = libraries.ABSENT.get(statement.top, "do without it, or upload its source files")
+        if statement.top in libraries.ABSENT or missing.installed_here:
             raise BundleError(
                 f"{where}: imports {statement.top}, which the testbed has not; {instead}"
             )
@@ -163,20 +166,21 @@ def _require_complete(found: import_graph.Trace) -> None:
 
 
 def _warnings(script: Path, found: import_graph.Trace) -> Iterator[str]:
-    """Yield what the uploaded files lack to run on the testbed, which has generation 2."""
-    if testbed.SIMULATOR not in found.libraries:
-        yield f"{script.name} never imports {testbed.SIMULATOR}: no robot would move"
+    """Yield what stops the uploaded files on the testbed, which runs generation 2 of the API."""
+    if libraries.SIMULATOR not in found.libraries:
+        yield f"{script.name} never imports {libraries.SIMULATOR}: no robot would move"
     theirs = [local.path for local in found.locals if not import_graph.is_ours(local.name)]
-    for path in [script, *theirs]:
-        told = set()
-        for line, name, right in wrong_names(import_graph.parse(path), 2):
-            if name not in told:
-                told.add(name)
-                yield (
-                    f"{path.name}, line {line}: {name} is a name of generation 1, and the testbed"
-                    " runs generation 2: "
-                    + (f"write {right}" if right else "there is no such thing")
-                )
+    seen, told = set(), set()
+    for path in [script.resolve(), *theirs]:
+        if path in seen:  # with what imports it
+            continue
+        program = read_program(path)
+        seen |= {module.script.path for module in program.modules}
+        for use in uses_in(program):
+            name = use.module.script.path.name
+            if use.stops(2) and not use.follows and (name, use.what) not in told:
+                told.add((name, use.what))
+                yield f"{name}, line {use.line}: {use.what}; {use.remedy(2)}"
 
 
 def _flat_modules(script: Path, found: import_graph.Trace) -> dict[str, bytes]:
@@ -193,7 +197,7 @@ def _flat_modules(script: Path, found: import_graph.Trace) -> dict[str, bytes]:
     without_file = above - packages
     for name, path in [*modules, *((name, None) for name in sorted(without_file))]:
         flat = name.rpartition(".")[2] + ".py"
-        hidden = testbed.shadowed_by(flat[:-3])
+        hidden = libraries.shadowed_by(flat[:-3])
         if hidden:
             raise BundleError(
                 f"{name} ({path or 'a folder'}) would lie flat as {flat} and hide {hidden};"
@@ -244,8 +248,7 @@ def _data(script: Path, found: import_graph.Trace, search: Sequence[Path]) -> li
     sources = [script] + [local.path for local in found.locals if "." not in local.name]
     out = []
     for path in sources:
-        text = import_graph.read_source(path)
-        source = Source(path, text, ast.parse(text), search=tuple(search))
+        source = Source(read_script(path), search=tuple(search))
         for call, name in files_read(source):
             if Path(name).is_absolute() or len(Path(name).parts) > 1:
                 raise BundleError(
@@ -254,7 +257,7 @@ def _data(script: Path, found: import_graph.Trace, search: Sequence[Path]) -> li
                 )
             if (home / name).is_file():
                 out.append(home / name)
-            elif not _is_written(text, name):
+            elif not _is_written(source.script.text, name):
                 raise BundleError(
                     f"{path.name}, line {call.lineno}: reads {name}, which is not beside the script"
                 )

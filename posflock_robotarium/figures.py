@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from barrier_certificates import ties
 from posflock_robotarium import metrics
 from posflock_robotarium.drawing import BLACK, BLUE, GREEN, GREY, ORANGE, in_style, new_figure, save
 from posflock_robotarium.errors import LogError
@@ -63,9 +64,9 @@ def snapshots(log: Log, times: Sequence[float] | None = None) -> Figure:
     panels = figure.subplots(2, 3, sharex=True, sharey=True)
     chosen = np.linspace(log.t[0], log.t[-1], 6) if times is None else np.asarray(times)
     for axes, time, letter in zip(panels.flat, chosen, "abcdef", strict=True):
-        row = int(np.argmin(np.abs(log.t - time)))
+        row = ties.first_smallest(np.abs(log.t - time))
         _arena(axes)
-        recent = (log.t <= log.t[row]) & (log.t >= log.t[row] - TRAIL)
+        recent = (log.t <= log.t[row]) & ties.reached(log.t, log.t[row] - TRAIL)
         axes.plot(log.poses[recent, 0], log.poses[recent, 1], color=GREY, linewidth=0.7, zorder=1)
         for pose in log.poses[row].T:
             _robot(axes, pose)

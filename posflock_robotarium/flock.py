@@ -35,6 +35,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from barrier_certificates import ties
 from barrier_certificates.guarantee import largest_gain, largest_wall_gain
 from barrier_certificates.rows import VelocityPolygon
 from barrier_certificates.unicycle import UnicycleCertificate
@@ -215,7 +216,7 @@ class Flock:
             raise ParameterError(
                 f"duration: expected at least one step of {self.time_step:g} s, got {duration!r} s"
             )
-        return round(duration / self.time_step)
+        return ties.nearest_whole(duration / self.time_step)
 
     def step(self, poses: ArrayLike) -> FlockStep:
         """Decide the next command from the poses just read.

@@ -31,6 +31,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from barrier_certificates import ties
 from posflock_robotarium.errors import ParameterError
 from posflock_robotarium.law import (
     PAPER_SIMULATION,
@@ -161,7 +162,7 @@ class FreeSpace:
     @property
     def steps(self) -> int:
         """Number of steps in the duration."""
-        return round(self.duration / self.time_step)
+        return ties.nearest_whole(self.duration / self.time_step)
 
     def as_dict(self) -> dict[str, Any]:
         """Return every parameter as numbers, strings and lists, ready for JSON."""
@@ -304,7 +305,7 @@ def _simulate(scenario: FreeSpace, generators: Sequence[np.random.Generator]) ->
     p, v = (np.ascontiguousarray(np.stack(states)) for states in zip(*starts, strict=True))
     sensors = Sensors(scenario.sensing, generators, scenario.agents, scenario.time_step)
     wanted = _law(scenario, sensors)
-    every = max(1, round(scenario.record_interval / scenario.time_step))
+    every = max(1, ties.nearest_whole(scenario.record_interval / scenario.time_step))
     recorded = [(p, v)]
     for step in range(1, scenario.steps + 1):
         time = step * scenario.time_step

@@ -18,27 +18,16 @@ import ast
 import contextlib
 import importlib.machinery
 import importlib.util
-import operator
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
-from posflock_robotarium import testbed
-from posflock_robotarium.errors import PosflockError
+from rps_compat.scripts import libraries
+from rps_compat.scripts.guards import branch_taken, catches_import_error
+from rps_compat.scripts.source import read_script
 
-_COMPARISONS: dict[type[ast.cmpop], Callable[[Any, Any], bool]] = {
-    ast.Lt: operator.lt,
-    ast.LtE: operator.le,
-    ast.Gt: operator.gt,
-    ast.GtE: operator.ge,
-}
 _OURS = ("posflock_robotarium", "barrier_certificates")
-
-
-class ScriptError(PosflockError):
-    """A script cannot be read or is not Python."""
 
 
 @dataclass(frozen=True)
@@ -146,38 +135,6 @@ def is_ours(module: str) -> bool:
     return module.partition(".")[0] in _OURS
 
 
-def read_source(path: Path) -> str:
-    """Return a Python file's text, decoded as Python would.
-
-    Raises
-    ------
-    ScriptError
-        Where there is no such file, or it cannot be decoded.
-    """
-    try:
-        return importlib.util.decode_source(path.read_bytes())
-    except OSError as error:
-        raise ScriptError(f"{path}: cannot be read ({error.strerror or error})") from error
-    except (SyntaxError, UnicodeDecodeError) as error:
-        raise ScriptError(f"{path}: is not text in the encoding it declares ({error})") from error
-
-
-def parse(path: Path) -> ast.Module:
-    """Return a Python file's syntax tree.
-
-    Raises
-    ------
-    ScriptError
-        Where it cannot be read, or this Python finds a syntax error.
-    """
-    try:
-        return ast.parse(read_source(path), filename=str(path))
-    except (SyntaxError, ValueError) as error:
-        line = getattr(error, "lineno", None)
-        where = f", line {line}" if line else ""
-        raise ScriptError(f"{path}{where}: is not valid Python: {error}") from error
-
-
 def imports(tree: ast.Module, package: str = "") -> list[Import]:
     """Return the imports that can run on the testbed, in the order of the text.
 
@@ -204,39 +161,42 @@ def trace(script: Path, search: Sequence[Path] = ()) -> Trace:
     Raises
     ------
     ScriptError
-        Where the script, or a file it imports, cannot be read or parsed.
+        The script, or a file it imports, cannot be read.
+    UnreadableError
+        One of them is not Python.
     """
     script = Path(script).resolve()
     folders = [script.parent, *(Path(folder).resolve() for folder in search)]
     found = Trace(script)
-    seen: set[str] = set()
+    seen: set[tuple[str, Path]] = set()
     refused: set[str] = set()
     queue: list[tuple[Path, str]] = [(script, "")]
     while queue:
         path, package = queue.pop(0)
-        for statement in imports(parse(path), package):
-            if testbed.is_available(statement.top) and not _beside(statement.top, folders[0]):
+        for statement in imports(read_script(path).tree, package):
+            if libraries.is_available(statement.top) and not _beside(statement.top, folders[0]):
                 found.libraries.add(statement.top)
                 continue
-            if statement.top == testbed.STAND_IN:
+            if statement.top == libraries.STAND_IN:
                 if not statement.guarded and statement.module not in refused:
                     refused.add(statement.module)
                     found.missing.append(Missing(statement, path, installed_here=True))
                 continue
-            files = list(_files(statement, folders))
+            # Our own modules mean our own, whatever lies beside the script.
+            files = list(_files(statement, [] if is_ours(package) else folders))
             if not files and not statement.guarded and statement.top not in refused:
                 refused.add(statement.top)
                 here = _spec(statement.top) is not None
                 found.missing.append(Missing(statement, path, installed_here=here))
             for name, file, is_package in files:
-                if name in seen:
+                if (name, file) in seen:
                     continue
                 if statement.lazy and package and not is_package:
-                    absent = _absent_library(parse(file), folders)
+                    absent = _absent_library(read_script(file).tree, folders)
                     if absent:
                         found.left_out[name] = absent
                         continue
-                seen.add(name)
+                seen.add((name, file))
                 found.locals.append(Local(name, file, is_package, path, statement.line))
                 queue.append((file, name if is_package else name.rpartition(".")[0]))
     return found
@@ -253,11 +213,11 @@ def _walk(
             names = tuple(alias.name for alias in node.names)
             module = _absolute(node, package)
             yield Import(module, names, node.lineno, guarded, node.level > 0, lazy)
-        elif isinstance(node, ast.If) and _branch(node.test) is not None:
-            taken = node.body if _branch(node.test) else node.orelse
+        elif isinstance(node, ast.If) and branch_taken(node.test) is not None:
+            taken = node.body if branch_taken(node.test) else node.orelse
             yield from _walk(taken, package, guarded, lazy)
         elif isinstance(node, ast.Try):
-            catches = any(_catches_import_error(handler) for handler in node.handlers)
+            catches = any(catches_import_error(handler) for handler in node.handlers)
             yield from _walk(node.body, package, guarded or catches, lazy)
             if not (catches and _always_there(node.body, package)):
                 for handler in node.handlers:
@@ -310,7 +270,7 @@ def _absent_library(tree: ast.Module, folders: Sequence[Path]) -> str | None:
     """Return what a module imports that neither the testbed has nor a local file brings."""
     for statement in imports(tree):
         top = statement.top
-        if statement.relative or statement.guarded or testbed.is_available(top):
+        if statement.relative or statement.guarded or libraries.is_available(top):
             continue
         if top not in _OURS and not any(_files(statement, folders)):
             return top
@@ -319,44 +279,7 @@ def _absent_library(tree: ast.Module, folders: Sequence[Path]) -> str | None:
 
 def _always_there(body: Sequence[ast.stmt], package: str) -> bool:
     """Whether all that a ``try`` imports is on the testbed, so that its handlers never run."""
-    return all(testbed.is_available(statement.top) for statement in _walk(body, package))
-
-
-def _catches_import_error(handler: ast.ExceptHandler) -> bool:
-    if handler.type is None:
-        return True
-    kinds = handler.type.elts if isinstance(handler.type, ast.Tuple) else [handler.type]
-    caught = {kind.id for kind in kinds if isinstance(kind, ast.Name)}
-    return bool(caught & {"ImportError", "ModuleNotFoundError", "Exception", "BaseException"})
-
-
-def run_on_the_testbed(node: ast.AST) -> Iterator[ast.AST]:
-    """Walk all below `node` but branches never taken there, and ``try`` bodies ready to fail."""
-    below: list[ast.AST] = list(ast.iter_child_nodes(node))
-    if isinstance(node, ast.If) and _branch(node.test) is not None:
-        below = list(node.body if _branch(node.test) else node.orelse)
-    elif isinstance(node, ast.Try) and any(_catches_import_error(h) for h in node.handlers):
-        below = [*node.handlers, *node.orelse, *node.finalbody]
-    yield node
-    for child in below:
-        yield from run_on_the_testbed(child)
-
-
-def _branch(test: ast.expr) -> bool | None:
-    """Which way a test goes on the testbed: ``TYPE_CHECKING``, or a comparison of the version."""
-    name = test.attr if isinstance(test, ast.Attribute) else getattr(test, "id", "")
-    if name == "TYPE_CHECKING":
-        return False
-    if not isinstance(test, ast.Compare) or len(test.ops) != 1:
-        return None
-    if ast.unparse(test.left) not in ("sys.version_info", "version_info", "sys.version_info[:2]"):
-        return None
-    try:
-        asked = ast.literal_eval(test.comparators[0])
-        version = testbed.PYTHON if "[" in ast.unparse(test.left) else (*testbed.PYTHON, 99)
-        return _COMPARISONS[type(test.ops[0])](version, asked)
-    except (ValueError, TypeError, KeyError):
-        return None
+    return all(libraries.is_available(statement.top) for statement in _walk(body, package))
 
 
 def _absolute(node: ast.ImportFrom, package: str) -> str:
@@ -372,7 +295,7 @@ def _beside(top: str, folder: Path) -> bool:
 
     A package ``rps`` beside the script is a copy of the simulator, which stays here.
     """
-    is_package = (folder / top / "__init__.py").is_file() and top != testbed.SIMULATOR
+    is_package = (folder / top / "__init__.py").is_file() and top != libraries.SIMULATOR
     return is_package or (folder / f"{top}.py").is_file()
 
 

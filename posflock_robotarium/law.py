@@ -30,6 +30,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from barrier_certificates.ties import short_of
 from posflock_robotarium.errors import ParameterError
 
 Floats = NDArray[np.float64]
@@ -343,7 +344,7 @@ def _cohesion_separation(
 
 def _within(distance: Floats, radius: float | Floats) -> Booleans:
     reach = radius[:, None] if isinstance(radius, np.ndarray) else radius
-    adjacency: Booleans = distance < reach
+    adjacency: Booleans = short_of(distance, reach)
     agents = np.arange(distance.shape[-1])
     adjacency[..., agents, agents] = False
     return adjacency

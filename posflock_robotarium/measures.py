@@ -12,6 +12,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
+from barrier_certificates import ties
 from posflock_robotarium import metrics
 from posflock_robotarium.errors import ParameterError
 from posflock_robotarium.freespace import Recording
@@ -139,8 +140,8 @@ def summarise(measures: Measures) -> dict[str, Floats]:
     radius = window.rows(measures.cohesive_radius, 0.1, 1.0)
     return {
         "gamma_settled": window.mean(gamma, 0.2, 1.0),
-        "gamma_5s": gamma[..., np.argmin(np.abs(times - 5.0))],
-        "gamma_30s": gamma[..., np.argmin(np.abs(times - 30.0))],
+        "gamma_5s": gamma[..., ties.first_smallest(np.abs(times - 5.0))],
+        "gamma_30s": gamma[..., ties.first_smallest(np.abs(times - 30.0))],
         "gamma_end": gamma[..., -1],
         "gamma_change": window.mean(gamma, 0.8, 1.0) - window.mean(gamma, 0.1, 0.3),
         "gamma_fluctuation": np.std(window.rows(gamma, 0.3, 1.0), axis=-1),
@@ -169,7 +170,7 @@ class _Window:
 
     def rows(self, values: Floats, start: float, end: float) -> Floats:
         # A slice and not a mask: a run is then summed in one order, alone and in a batch.
-        first, last = np.searchsorted(self._shares, (start - 1e-9, end + 1e-9))
+        first, last = np.searchsorted(self._shares, (start - ties.TIE, end + ties.TIE))
         # A run recorded so seldom that no row is inside is judged by the next one.
         first = min(first, len(self._shares) - 1)
         return values[..., first : max(last, first + 1)]

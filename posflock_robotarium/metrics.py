@@ -26,6 +26,7 @@ from scipy.signal import savgol_filter
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components as _components
 
+from barrier_certificates.ties import TIE, beyond, within
 from posflock_robotarium.errors import ParameterError
 from posflock_robotarium.law import displacements, neighbours
 from posflock_robotarium.neighbour_search import (
@@ -93,7 +94,7 @@ def alignment(
             f"velocities and positions: expected one shape, got {v.shape} and {p.shape}"
         )
     speed = np.sqrt(np.square(v).sum(axis=-2))
-    moving = speed > slowest
+    moving = beyond(speed, slowest)
     direction = np.divide(v, speed[..., None, :], out=np.zeros_like(v), where=moving[..., None, :])
     # Σ_j e_i·e_j = e_i · Σ_j e_j: no (N, N) matrix of cosines is needed.
     number, around = _neighbour_sums(p, radius, moving, direction)
@@ -207,12 +208,12 @@ def colliding_pairs(
     poses : (..., 3, N) array
         Metres and radians.
     diameter, ahead : float
-        Two robots collide where the points `ahead` metres before their centres are closer
-        than `diameter` metres (the testbed's own test).
+        Two robots collide where the points `ahead` metres before their centres are no farther
+        apart than `diameter` metres (the testbed's own test).
     """
     x = np.asarray(poses, dtype=float)
     points = x[..., :2, :] + ahead * heading_vectors(x)
-    close = _distances(points) < diameter
+    close = within(_distances(points), diameter)
     return np.asarray(close.sum(axis=(-2, -1)) // 2)
 
 
@@ -286,7 +287,7 @@ def common_heading(velocities: ArrayLike, *, slowest: float = 0.0) -> Floats:
     mean = _mean_direction(velocities, slowest)
     angle = np.arctan2(mean[..., 1], mean[..., 0])
     # Opposite robots cancel: what rounding leaves of their mean has no direction.
-    return np.where(np.square(mean).sum(axis=-1) > 1e-18, angle, np.nan)
+    return np.where(np.square(mean).sum(axis=-1) > TIE**2, angle, np.nan)
 
 
 def spread(positions: ArrayLike) -> Floats:
@@ -317,7 +318,7 @@ def algebraic_connectivity(positions: ArrayLike, radius: float | Floats) -> Floa
     agents = np.arange(links.shape[-1])
     laplacian[..., agents, agents] = links.sum(axis=-1)
     second = np.linalg.eigvalsh(laplacian)[..., 1]
-    return np.where(second > 1e-9, second, 0.0)
+    return np.where(beyond(second, 0.0), second, 0.0)
 
 
 def connected_components(positions: ArrayLike, radius: float | Floats) -> NDArray[np.int_]:
@@ -344,7 +345,7 @@ def _mean_direction(velocities: ArrayLike, slowest: float) -> Floats:
     """Return the mean unit vector of the agents that move, (..., d); NaN where nobody does."""
     v = _states(velocities, "velocities")
     speed = np.sqrt(np.square(v).sum(axis=-2))
-    moving = speed > slowest
+    moving = beyond(speed, slowest)
     direction = np.divide(v, speed[..., None, :], out=np.zeros_like(v), where=moving[..., None, :])
     number = moving.sum(axis=-1)[..., None]
     total = direction.sum(axis=-1)

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from barrier_certificates.ties import short_of
 from posflock_robotarium.law import LawParameters, check_states, phi, psi
 
 Floats = NDArray[np.float64]
@@ -77,15 +78,14 @@ def neighbour_pairs(positions: ArrayLike, radius: float | Floats) -> Pairs:
     p = check_states(positions, "positions")
     # balanced_tree=False splits boxes in the middle: quicker to build, as good to search here.
     tree = cKDTree(p.T, balanced_tree=False, compact_nodes=False)
-    # The tree counts distances equal to the radius, the law does not; and it rounds otherwise.
-    slack = float(np.max(radius)) * (1.0 + 1e-12)
-    met = tree.query_pairs(slack, output_type="ndarray")
+    # The tree counts distances equal to the radius and rounds otherwise; the law decides below.
+    met = tree.query_pairs(float(np.max(radius)), output_type="ndarray")
     agent = np.concatenate([met[:, 0], met[:, 1]])
     other = np.concatenate([met[:, 1], met[:, 0]])
     pairs = Pairs(agent, other, p.shape[-1])
     distance = np.sqrt(np.square(pairs.offsets(p)).sum(axis=0))
     reach = radius[agent] if isinstance(radius, np.ndarray) else radius
-    return pairs.where(distance < reach)
+    return pairs.where(short_of(distance, reach))
 
 
 def nearest_distances(positions: ArrayLike) -> Floats:

@@ -17,7 +17,8 @@ field of a row          type          meaning
 ``command``             (2, N)        v in m/s and ω in rad/s, as sent after reading
 ``status``              string        what the certificate said: trivial, optimal,
                                       relaxed, failed, or none without a certificate
-``moved``               float64       how far it moved a robot's velocity at most, m/s
+``moved``               float64       its intervention: how far it changed a velocity at most,
+                                      m/s
 ``clearance``           float64       how far the team is from being unsafe, m: the least distance
                                       beyond what the certificate keeps (NaN for both without one)
 ======================  ============  ====================================================
@@ -152,7 +153,7 @@ class PoseLog:
         status : str
             What the certificate said.
         moved, clearance : float
-            How far it moved a velocity at most (m/s); how far the team is from being unsafe (m).
+            Its intervention (m/s); how far the team is from being unsafe (m).
         """
         if self.rows == len(self._map):
             self._grow()

@@ -29,6 +29,7 @@ from posflock_robotarium import import_graph, testbed
 from posflock_robotarium.bundle import check_manifest, main_file
 from posflock_robotarium.errors import OutputError, ParameterError, PosflockError
 from posflock_robotarium.interpreters import installed_pythons
+from rps_compat.scripts.libraries import IMPORT_NAMES, LIBRARIES, PYTHON
 
 #: Always installed; heavier ones only where the bundle imports them.
 _BASE = ("numpy", "scipy", "matplotlib", "cvxopt")
@@ -217,10 +218,10 @@ def build_environment(
     tell : callable, optional
         Is told when one is being built, which takes a minute.
     """
-    wanted = {testbed.IMPORT_NAMES[name] for name in libraries if name in testbed.IMPORT_NAMES}
+    wanted = {IMPORT_NAMES[name] for name in libraries if name in IMPORT_NAMES}
     pins = [
         f"{name}=={version}" if version else name
-        for name, version in testbed.LIBRARIES.items()
+        for name, version in LIBRARIES.items()
         if name in wanted or name in _BASE
     ]
     base, note = _nearest_python()
@@ -247,11 +248,11 @@ def build_environment(
 def _nearest_python() -> tuple[Path, str]:
     """Return the testbed's Python, or the nearest there is with a note that says so."""
     pythons = installed_pythons()
-    if testbed.PYTHON in pythons:
-        return pythons[testbed.PYTHON], ""
-    nearest = min((v for v in pythons if v >= (3, 10)), key=lambda v: abs(v[1] - testbed.PYTHON[1]))
+    if PYTHON in pythons:
+        return pythons[PYTHON], ""
+    nearest = min((v for v in pythons if v >= (3, 10)), key=lambda v: abs(v[1] - PYTHON[1]))
     return pythons[nearest], (
-        f"the testbed runs Python {testbed.PYTHON[0]}.{testbed.PYTHON[1]}, which is not installed"
+        f"the testbed runs Python {PYTHON[0]}.{PYTHON[1]}, which is not installed"
         f" here: rehearsed with {nearest[0]}.{nearest[1]}, which accepts newer syntax"
     )
 

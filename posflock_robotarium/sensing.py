@@ -26,6 +26,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from barrier_certificates import ties
 from posflock_robotarium.errors import ParameterError
 from posflock_robotarium.law import neighbours
 
@@ -138,11 +139,11 @@ class Sensors:
         self.sensing = sensing
         self._generators = generators
         self._past: deque[tuple[Floats, Floats]] = deque(
-            maxlen=1 + round(sensing.delay / time_step)
+            maxlen=1 + ties.nearest_whole(sensing.delay / time_step)
         )
         self.failing = np.zeros((len(generators), agents), dtype=bool)
         for row, generator in zip(self.failing, generators, strict=True):
-            chosen = generator.permutation(agents)[: int(sensing.failing * agents)]
+            chosen = generator.permutation(agents)[: ties.whole(sensing.failing * agents)]
             row[chosen] = True
 
     def read(self, positions: Floats, velocities: Floats) -> tuple[Floats, Floats]:
@@ -155,7 +156,7 @@ class Sensors:
 
     def failed(self, time: float) -> Booleans | None:
         """Return who has failed by `time`, (B, n), or None where no one has."""
-        started = self.sensing.failing > 0.0 and time >= self.sensing.failure_time
+        started = self.sensing.failing > 0.0 and ties.reached(time, self.sensing.failure_time)
         return self.failing if started else None
 
     def detected(self, time: float) -> Booleans | None:

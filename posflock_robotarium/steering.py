@@ -23,6 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from barrier_certificates import ties
 from posflock_robotarium.errors import ParameterError
 
 Floats = NDArray[np.float64]
@@ -103,7 +104,7 @@ class ArenaSteering:
         points, inputs, velocities : (2, N) array
             Look-ahead points in metres; the law's inputs in m/s²; velocities in m/s.
         """
-        if time <= self.parameters.start:
+        if not ties.beyond(time, self.parameters.start):
             return inputs, velocities, 0.0
         common = velocities.mean(axis=1)
         turning = self._turning(points, common)
@@ -123,11 +124,13 @@ class ArenaSteering:
         inward = (call[0] - call[1], call[2] - call[3])
         along = common[0] * inward[0] + common[1] * inward[1]
         lengths = math.hypot(*common) * math.hypot(*inward)
-        if not call.any() or (lengths > 0.0 and along >= self.parameters.clear * lengths):
+        clear = lengths > 0.0 and along >= self.parameters.clear * lengths
+        if clear or not ties.beyond(call, 0.0).any():
             self._sign = 0.0
         elif self._sign == 0.0:
             across = common[0] * inward[1] - common[1] * inward[0]
-            self._sign = 1.0 if across >= 0.0 else -1.0
+            # Straight at a wall, both ways are as good.
+            self._sign = 1.0 if ties.reached(across, 0.0) else -1.0
         return self._sign * self.parameters.turn_rate * self.time_step
 
 

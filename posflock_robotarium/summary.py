@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from barrier_certificates import ties
 from posflock_robotarium import metrics
 from posflock_robotarium.errors import LogError
 from posflock_robotarium.poselog import INTERVENED, Log
@@ -117,13 +118,15 @@ def summarise(log: Log, radius: float | None = None, settled: float = SETTLED) -
     time_step = log.time_step
     positions = log.poses[:, :2]
     velocities = metrics.smoothed_velocities(positions, time_step)
-    late = log.t > settled if log.t[-1] > settled else np.ones(len(log.t), dtype=bool)
+    late = ties.beyond(log.t, settled)
+    if not late.any():
+        settled, late = 0.0, np.ones(len(log.t), dtype=bool)
     headings = metrics.heading_vectors(log.poses[late])
     motion = metrics.alignment(velocities[late], positions[late], radius, slowest=metrics.SLOWEST)
     walls = metrics.wall_distance(positions)
     return Summary(
         duration=float(log.t[-1] + time_step),
-        settled=settled if log.t[-1] > settled else 0.0,
+        settled=settled,
         gamma_headings=_mean(metrics.alignment(headings, positions[late], radius).gamma),
         gamma_motion=_mean(motion.gamma),
         mean_speed=float(metrics.mean_speed(velocities[late]).mean()),
@@ -131,10 +134,12 @@ def summarise(log: Log, radius: float | None = None, settled: float = SETTLED) -
         smallest_wall_distance=float(walls.min()),
         fastest_wheel=float(metrics.fastest_wheel(log.commands).max()),
         collisions=int(metrics.colliding_pairs(log.poses).sum()),
-        steps_outside=int((walls < 0.0).sum()),
+        steps_outside=int(ties.short_of(walls, 0.0).sum()),
         steps_infeasible=int(np.isin(log.status, ("relaxed", "failed")).sum()),
         smallest_clearance=_least(log.clearance),
-        share_intervened=_mean(np.where(np.isnan(log.moved), np.nan, log.moved > INTERVENED)),
+        share_intervened=_mean(
+            np.where(np.isnan(log.moved), np.nan, ties.beyond(log.moved, INTERVENED))
+        ),
         largest_intervention=-_least(-log.moved),
         ended=str(log.metadata.get("ended", {}).get("how", "unknown")),
     )

@@ -8,7 +8,11 @@
 instances are built (seed, imperfections, log); ``runner`` runs whole scripts.
 """
 
-from rps_compat.install import import_path, install, installed, uninstall
-from rps_compat.session import Session
+from rps_compat.own_imports import leave_current_folder
+
+leave_current_folder()
+
+from rps_compat.install import import_path, install, installed, uninstall  # noqa: E402
+from rps_compat.session import Session  # noqa: E402
 
 __all__ = ["Session", "import_path", "install", "installed", "uninstall"]

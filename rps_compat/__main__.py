@@ -1,7 +1,6 @@
 """``python -m rps_compat run SCRIPT`` and ``python -m rps_compat path --api 2``."""
 
 import argparse
-import contextlib
 import sys
 from collections.abc import Sequence
 from importlib.metadata import entry_points
@@ -10,7 +9,9 @@ from typing import get_args
 
 from barrier_certificates.certificate_errors import PosflockError
 from rps_compat.install import import_path
-from rps_compat.runner import OpenRecorder, RunSettings, run_script, snapshot_times, summary
+from rps_compat.process import run_and_tell
+from rps_compat.recording import OpenRecorder
+from rps_compat.run_settings import RunSettings, snapshot_times
 from rps_compat.session import Initial
 
 #: Packages offer recorders under this group; the first is used.
@@ -40,7 +41,11 @@ def parser() -> argparse.ArgumentParser:
     )
     shown.add_argument("--window", dest="headless", action="store_false", help="show the arena")
     run.add_argument("--initial", choices=get_args(Initial), default="published")
-    run.add_argument("--seed", type=int, help="of Python's and numpy's global generators")
+    run.add_argument(
+        "--seed",
+        type=int,
+        help="of Python's and numpy's global generators: on one machine, the same bytes",
+    )
     run.add_argument("--timeout", type=float, help="seconds of real time")
     run.add_argument("--input", action="append", default=[], help="an answer to input()")
     run.add_argument("--snapshot", default="", help="times in seconds: 0,10,end")
@@ -73,11 +78,7 @@ def main(words: Sequence[str] | None = None) -> int:
         recorder=offered_recorder(),
         tell=lambda note: print(f"note: {note}", file=sys.stderr, flush=True),
     )
-    # With --json the report alone is on stdout, for programs; the script talks on stderr.
-    with contextlib.redirect_stdout(sys.stderr) if asked.json else contextlib.nullcontext():
-        result = run_script(asked.script, asked.arguments, settings)
-    print(result.as_json() if asked.json else summary(result))
-    return result.exit_code
+    return run_and_tell(asked.script, asked.arguments, settings, asked.json)
 
 
 if __name__ == "__main__":

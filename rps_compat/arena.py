@@ -29,13 +29,15 @@ from typing import Protocol, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from barrier_certificates.ties import TIE
 from rps_compat.errors import CommandError
 from rps_compat.violations import Violations
 
 Array = NDArray[np.float64]
 
-PI = float(np.pi)
 _TWO = np.array(2.0)
+# A robot that stops at half a turn keeps the sign that it came with, whatever its last bit.
+_WRAPPED_BEYOND = float(np.pi) + TIE
 
 
 @dataclass(frozen=True)
@@ -141,6 +143,8 @@ class Arena:
         How fast the wheels really turned in it, left then right, rad/s.
     steps : int
         Steps done.
+    steps_to_start : int
+        How many of them drove the robots to initial conditions.
     violations : Violations
         What would be held against the run on the testbed.
     """
@@ -165,7 +169,7 @@ class Arena:
         self._held = self.commands
         self.velocities: Array = self.commands
         self.wheel_velocities: Array = self.commands
-        self.steps = 0
+        self.steps = self.steps_to_start = 0
         self.time = 0.0
         self.violations = Violations()
         self._observed: Array | None = None
@@ -187,6 +191,10 @@ class Arena:
         self._axle, self._per_radius = np.array(axle), np.array(1 / (2 * radius))
         self._half_radius, self._radius_per_axle = np.array(radius / 2), np.array(radius / axle)
         self._ahead, self._time_step = np.array(robot.collision_offset), np.array(robot.time_step)
+        # On the wall is inside, touching is too close.
+        x_min, x_max, y_min, y_max = robot.boundaries
+        self._walls = x_min - TIE, x_max + TIE, y_min - TIE, y_max + TIE
+        self._too_close = robot.collision_diameter + TIE
 
     @property
     def number_of_robots(self) -> int:
@@ -300,19 +308,20 @@ class Arena:
 
     def _check_places(self, cosine: Array, sine: Array) -> None:
         x, y, _ = self.poses
-        x_min, x_max, y_min, y_max = self._robot.boundaries
+        x_min, x_max, y_min, y_max = self._walls
         if (
             x[x.argmin()] < x_min
             or x[x.argmax()] > x_max
             or y[y.argmin()] < y_min
             or y[y.argmax()] > y_max
         ):
+            x_min, x_max, y_min, y_max = self._robot.boundaries
             beyond = np.maximum.reduce([x_min - x, x - x_max, y_min - y, y - y_max])
             self.violations.outside(self.steps, beyond)
         i, j = self._pairs
         if not len(i):
             return
-        bodies, reach = self._bodies, self._robot.collision_diameter
+        bodies, reach = self._bodies, self._too_close
         bodies.real = x + self._ahead * cosine
         bodies.imag = y + self._ahead * sine
         distances = np.abs(bodies[i] - bodies[j])
@@ -327,7 +336,7 @@ class Arena:
         y += distance * sine
         theta += self._time_step * velocities[1]
         turned = np.abs(theta)
-        if turned[turned.argmax()] > PI:
+        if turned[turned.argmax()] > _WRAPPED_BEYOND:
             np.arctan2(np.sin(theta), np.cos(theta), out=theta)
 
 

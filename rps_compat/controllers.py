@@ -53,11 +53,11 @@ def way_to_pose(goals: Array, states: Array) -> tuple[Array, Array, Array]:
     The distance, the angle from the heading to the goal, and the goal's bearing in its own frame.
     A robot that stands on its goal has φ = 0.
     """
-    x, y = goals[:2] - states[:2]
-    cos, sin = np.cos(goals[2]), np.sin(goals[2])
+    way = goals[:2] - states[:2]
+    along, across = kinematics.along_and_across(way, goals)
     # Adding 0.0 turns -0.0 into 0.0, lest a robot on its goal have the bearing π.
-    bearing = np.arctan2(cos * y - sin * x, cos * x + sin * y + 0.0)
-    return np.hypot(x, y), wrap(bearing + (goals[2] - states[2])), bearing
+    bearing = kinematics.bearing(across, along + 0.0)
+    return np.hypot(way[0], way[1]), wrap(bearing + (goals[2] - states[2])), bearing
 
 
 def command_to_pose(

@@ -122,6 +122,21 @@ DEVIATIONS: dict[str, Deviation] = {
         "NumberError: that point cannot move sideways",
         always=True,
     ),
+    "velocity straight back": Deviation(
+        1,
+        ("create_si_to_uni_dynamics", "create_si_to_uni_dynamics_with_backwards_motion"),
+        "whether a robot turns left or right, told to go exactly backwards, is decided by the last "
+        "bit of a sine, so by the processor",
+        "it turns back through the heading 0: right where its heading is positive, else left",
+        always=True,
+    ),
+    "velocity straight behind": Deviation(
+        2,
+        ("create_si_to_uni_dynamics",),
+        "the same, decided by the last bit of a matrix product",
+        "it turns back through the heading 0: right where its heading is positive, else left",
+        always=True,
+    ),
     "constructor": Deviation(
         2,
         ("Robotarium",),

@@ -6,6 +6,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
+from barrier_certificates.ties import reached
 from rps_compat.errors import RobotariumError
 
 #: Frames per second of the run, and of the film: it plays in real time.
@@ -52,9 +53,9 @@ class Film:
 
     def at(self, time: float, instance: Any) -> None:
         """Take what is due at `time` (s) of the run of `instance`."""
-        while self._due and self._due[0] <= time + 1e-9:
+        while self._due and reached(time, self._due[0]):
             self._snapshot(instance, self._due.pop(0))
-        if time + 1e-9 >= self._frame:
+        if reached(time, self._frame):
             if self._frame == 0.0:
                 self._stack.enter_context(
                     self._writer.saving(figure_of(instance), str(self._video), dpi=100)

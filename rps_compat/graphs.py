@@ -10,6 +10,7 @@ script meets the same graphs here and there.
 import numpy as np
 from numpy.typing import NDArray
 
+from barrier_certificates.ties import within
 from rps_compat.kinematics import Array
 
 Indices = NDArray[np.intp]
@@ -58,7 +59,9 @@ def topological_neighbors(laplacian: Array, agent: int) -> Indices:
 
 def disk_neighbors(positions: Array, agent: int, radius: float) -> Indices:
     """Columns of `positions` (d, N) within `radius` (m) of column `agent`, in ascending order."""
-    near = np.linalg.norm(positions - positions[:, [agent]], axis=0) <= radius
+    near: NDArray[np.bool_] = within(
+        np.linalg.norm(positions - positions[:, [agent]], axis=0), radius
+    )
     near[agent] = False
     return np.nonzero(near)[0]
 

@@ -18,7 +18,9 @@ from collections.abc import Callable, Iterator
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
+from barrier_certificates.ties import beyond, first_smallest, short_of, within
 from rps_compat.arena import Arena, Array, RobotModel
 from rps_compat.errors import InitialConditionsError, UnreachableError
 from rps_compat.kinematics import wrap
@@ -70,28 +72,40 @@ def checked_poses(poses: Any, number_of_robots: int) -> Array:
     return copy
 
 
-def require_possible(poses: Array, robot: RobotModel, *, apart: bool) -> None:
-    """Check that robots can stand at `poses` (3, N).
+def warn_of_outside(poses: Array, robot: RobotModel) -> None:
+    """Warn of robots at `poses` (3, N) that stand outside the arena.
+
+    Published scripts start some there, so nobody is refused; the run's report counts them.
+    """
+    x, y, _ = poses
+    x_min, x_max, y_min, y_max = robot.boundaries
+    outside = np.flatnonzero(
+        short_of(x, x_min) | beyond(x, x_max) | short_of(y, y_min) | beyond(y, y_max)
+    )
+    if outside.size:
+        where = ", ".join(f"robot {k} at ({x[k]:g}, {y[k]:g})" for k in outside)
+        warnings.warn(
+            f"outside the arena would start {where}: it is {x_min:g} <= x <= {x_max:g}, "
+            f"{y_min:g} <= y <= {y_max:g} (metres)",
+            stacklevel=5,
+        )
+
+
+def check_distances(poses: Array, robot: RobotModel, *, apart: bool) -> None:
+    """Check that no two robots at `poses` (3, N) are too close.
+
+    Where robots start so, as in published scripts, a warning names them, and the run's report
+    counts them.
 
     Raises
     ------
     InitialConditionsError
-        A robot is outside the arena; or, if they have to be `apart`, two are too close. If they
-        need not be, two that are too close are only warned of: the run's report will count them.
+        Two are too close although they have to be `apart`: a drive cannot bring them there.
     """
-    x, y, _ = poses
-    x_min, x_max, y_min, y_max = robot.boundaries
-    outside = np.flatnonzero((x < x_min) | (x > x_max) | (y < y_min) | (y > y_max))
-    if outside.size:
-        one = int(outside[0])
-        raise InitialConditionsError(
-            f"robot {one} cannot start at ({x[one]:g}, {y[one]:g}): the arena is "
-            f"{x_min:g} <= x <= {x_max:g}, {y_min:g} <= y <= {y_max:g} (metres)"
-        )
     if poses.shape[1] < 2:
         return
     distance, first, second = _nearest_pair(poses, robot.collision_offset)
-    if distance <= robot.collision_diameter:
+    if within(distance, robot.collision_diameter):
         message = (
             f"robots {first} and {second} would start too close: their collision points are "
             f"{100 * distance:.1f} cm apart, less than {100 * robot.collision_diameter:.1f} cm"
@@ -105,7 +119,7 @@ def _nearest_pair(poses: Array, ahead: float) -> tuple[float, int, int]:
     i, j = np.triu_indices(poses.shape[1], 1)
     bodies = poses[:2] + ahead * np.array([np.cos(poses[2]), np.sin(poses[2])])
     distances = np.hypot(*(bodies[:, i] - bodies[:, j]))
-    nearest = int(distances.argmin())
+    nearest = first_smallest(distances)
     return float(distances[nearest]), int(i[nearest]), int(j[nearest])
 
 
@@ -169,22 +183,37 @@ def drawn_poses(
 def near(targets: Array, robot: RobotModel, rng: np.random.Generator) -> Array:
     """Draw poses (3, N) as the testbed's drive leaves them: within 5 cm and 0.2 rad of `targets`.
 
-    Errors that would bring two robots too close or one outside are drawn again, with less and less
-    error.
+    Errors that would bring two robots too close are drawn again, with less and less error; none
+    brings a robot outside whose target is inside.
     """
     robots = targets.shape[1]
+    x_min, x_max, y_min, y_max = _room_for(targets, robot)
     poses: Array
     for attempt in range(200):
         reach = ARRIVAL_POSITION * np.sqrt(rng.uniform(0, 1, robots)) * float(0.98**attempt)
         course = rng.uniform(-np.pi, np.pi, robots)
         turn = rng.uniform(-ARRIVAL_HEADING, ARRIVAL_HEADING, robots)
         poses = targets + np.stack([reach * np.cos(course), reach * np.sin(course), turn])
-        poses[0] = np.clip(poses[0], robot.boundaries[0], robot.boundaries[1])
-        poses[1] = np.clip(poses[1], robot.boundaries[2], robot.boundaries[3])
+        poses[0] = np.clip(poses[0], x_min, x_max)
+        poses[1] = np.clip(poses[1], y_min, y_max)
         poses[2] = wrap(poses[2])
-        if robots < 2 or _nearest_pair(poses, robot.collision_offset)[0] > robot.collision_diameter:
+        if robots < 2:
+            return poses
+        if beyond(_nearest_pair(poses, robot.collision_offset)[0], robot.collision_diameter):
             return poses
     return np.array(targets)
+
+
+def _room_for(targets: Array, robot: RobotModel) -> tuple[float, float, float, float]:
+    """Return the arena's (x_min, x_max, y_min, y_max), wide enough for all `targets` (3, N)."""
+    x_min, x_max, y_min, y_max = robot.boundaries
+    x, y, _ = targets
+    return (
+        min(x_min, float(x.min(initial=x_min))),
+        max(x_max, float(x.max(initial=x_max))),
+        min(y_min, float(y.min(initial=y_min))),
+        max(y_max, float(y.max(initial=y_max))),
+    )
 
 
 class Drive:
@@ -202,19 +231,19 @@ class Drive:
     Raises
     ------
     InitialConditionsError
-        Robots cannot stand at `targets`.
+        Two robots are too close at `targets`.
     """
 
     def __init__(self, targets: Array, robot: RobotModel, rng: np.random.Generator) -> None:
         from barrier_certificates.unicycle import UnicycleCertificate
 
-        require_possible(targets, robot, apart=True)
+        check_distances(targets, robot, apart=True)
         self._targets, self._robot, self._rng = targets, robot, rng
         ahead = robot.collision_offset
         radius = robot.collision_diameter + _SAFETY
         if targets.shape[1] > 1:
             radius = min(radius, _nearest_pair(targets, ahead)[0] - 1e-3)
-        x_min, x_max, y_min, y_max = robot.boundaries
+        x_min, x_max, y_min, y_max = _room_for(targets, robot)
         self._certificate = UnicycleCertificate(
             safety_radius=max(radius, robot.collision_diameter + 1e-4),
             barrier_gain=2000.0,
@@ -233,9 +262,13 @@ class Drive:
 
     def arrived(self, poses: Array) -> bool:
         """Whether all robots at `poses` (3, N) are within tolerance."""
-        return bool((self._position_errors(poses) <= POSITION_TOLERANCE).all()) and bool(
-            (np.abs(self._turns(poses)) <= HEADING_TOLERANCE).all()
-        )
+        return not self._late(poses).any()
+
+    def _late(self, poses: Array) -> NDArray[np.bool_]:
+        """Which robots at `poses` (3, N) are not yet within tolerance."""
+        far = beyond(self._position_errors(poses), POSITION_TOLERANCE)
+        late: NDArray[np.bool_] = far | beyond(np.abs(self._turns(poses)), HEADING_TOLERANCE)
+        return late
 
     def _position_errors(self, poses: Array) -> Array:
         errors: Array = np.hypot(*(self._targets[:2] - poses[:2]))
@@ -283,9 +316,7 @@ class Drive:
     def failure(self, poses: Array) -> UnreachableError:
         """Return the error that says which robots did not arrive at all, and how far they were."""
         errors = self._position_errors(poses)
-        late = np.flatnonzero(
-            (errors > POSITION_TOLERANCE) | (np.abs(self._turns(poses)) > HEADING_TOLERANCE)
-        )
+        late = np.flatnonzero(self._late(poses))
         which = ", ".join(f"{robot} ({100 * errors[robot]:.1f} cm away)" for robot in late[:8])
         return UnreachableError(
             f"after {LONGEST_DRIVE:g} s of driving, {late.size} of {errors.size} robots were not "
@@ -304,7 +335,7 @@ def drive_to(
     Raises
     ------
     InitialConditionsError
-        Robots cannot stand at `targets`.
+        Two robots are too close at `targets`.
     UnreachableError
         They did not arrive; the message says which, and how far they were.
     """
@@ -315,6 +346,7 @@ def drive_to(
             break
         arena.commands = drive.commands(poses)
         arena.step()
+        arena.steps_to_start += 1
         after_step()
     else:
         raise drive.failure(arena.observe())
@@ -332,9 +364,10 @@ def first_poses(
     Raises
     ------
     InitialConditionsError
-        Robots cannot stand at `targets`.
+        Two robots are too close at `targets` to be driven there.
     """
-    require_possible(targets, robot, apart=mode == "drive")
+    warn_of_outside(targets, robot)
+    check_distances(targets, robot, apart=mode == "drive")
     if mode == "exact":
         return targets
     return (near if mode == "arrive" else starting_places)(targets, robot, rng())

@@ -25,6 +25,10 @@ class UnknownGenerationError(RobotariumError, ValueError):
     """There are two generations of the API, 1 and 2."""
 
 
+class ExampleScriptError(RobotariumError, ModuleNotFoundError):
+    """A published example is imported as a module, which would run it."""
+
+
 class _Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     def __init__(self, api: Api) -> None:
         self.api = api
@@ -39,6 +43,13 @@ class _Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
             return None
         ours = importlib.util.find_spec(self._target(fullname))
         if ours is None:
+            if fullname.startswith("rps.examples."):
+                raise ExampleScriptError(
+                    f"there is no module {fullname!r} here: the published examples are scripts, "
+                    "which run when they are imported; save the one that you want as a file and "
+                    "run it",
+                    name=fullname,
+                )
             return None
         return importlib.machinery.ModuleSpec(
             fullname, self, is_package=ours.submodule_search_locations is not None

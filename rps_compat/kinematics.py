@@ -17,15 +17,30 @@ radians and seconds; nothing checks and nothing changes its arguments.
 import numpy as np
 from numpy.typing import NDArray
 
+from barrier_certificates.ties import beyond, reached, short_of, within
+
 Array = NDArray[np.float64]
 
 HALF_TURN = float(np.pi)
 
 
 def wrap(angle: Array) -> Array:
-    """`angle` (rad) brought into [−π, π]."""
-    wrapped: Array = np.arctan2(np.sin(angle), np.cos(angle))
-    return wrapped
+    """`angle` (rad) brought into [−π, π]; half a turn, to within a tie, keeps its sign."""
+    wrapped = np.arctan2(np.sin(angle), np.cos(angle))
+    with_sign: Array = np.where(
+        reached(np.abs(wrapped), HALF_TURN), np.copysign(HALF_TURN, angle), wrapped
+    )
+    return with_sign
+
+
+def bearing(across: Array, along: Array) -> Array:
+    """Angle (rad), in (−π, π], of vectors with these components to the left and ahead.
+
+    What lies exactly behind has the bearing π.
+    """
+    angle = np.arctan2(across, along)
+    one_sided: Array = np.where(within(angle, -HALF_TURN), HALF_TURN, angle)
+    return one_sided
 
 
 def projection_point(poses: Array, distance: float) -> Array:
@@ -60,34 +75,25 @@ def along_and_across(velocities: Array, poses: Array) -> tuple[Array, Array]:
     return cos * x + sin * y, cos * y - sin * x
 
 
-def body_frame(velocities: Array, headings: Array) -> Array:
-    """`velocities` (2, N) seen from the robots: a row along the headings, a row to their left.
-
-    The same numbers as :func:`along_and_across` but for the last bit, and that bit matters once: a
-    robot told to go exactly backwards turns left or right by the sign of a rounding error. This
-    order of rounding, one matrix product for each robot, is generation 2's.
-    """
-    cos, sin = np.cos(headings), np.sin(headings)
-    rotations = np.ascontiguousarray(np.array([[cos, -sin], [sin, cos]]).transpose(2, 0, 1))
-    back = rotations.transpose(0, 2, 1)  # a view: the product then rounds as R.T @ v does
-    seen: Array = np.matmul(back, velocities.T[:, :, np.newaxis])[:, :, 0].T
-    return seen
-
-
 def facing(velocities: Array, headings: Array) -> NDArray[np.bool_]:
     """For each robot, whether `velocities` (2, N) point before, not beside or behind it."""
-    bearings = np.arctan2(velocities[1], velocities[0]) - headings
-    ahead: NDArray[np.bool_] = np.abs(wrap(bearings)) < HALF_TURN / 2
+    courses = np.arctan2(velocities[1], velocities[0])
+    ahead: NDArray[np.bool_] = short_of(np.abs(wrap(courses - headings)), HALF_TURN / 2)
     return ahead
 
 
-def turn_rate(across: Array, along: Array, limit: float) -> Array:
+def turn_rate(across: Array, along: Array, headings: Array, limit: float) -> Array:
     """Turn rates (N,) that are `limit` (rad/s) when the velocity points 90° to the left.
 
     Proportional to the angle of the velocity (`along`, `across`) from the heading, so up to
-    2·`limit` for a velocity that points straight back.
+    2·`limit` for a velocity that points straight back. There both ways are equally far, and the
+    last bit of a sine would choose, one way on one processor and the other on the next. So the
+    robot turns back through the heading 0: to the right where its heading is positive, else to the
+    left.
     """
-    rates: Array = limit * np.arctan2(across, along) / (HALF_TURN / 2)
+    angles = bearing(across, along)
+    to_the_right = reached(angles, HALF_TURN) & beyond(headings, 0.0)
+    rates: Array = limit * np.where(to_the_right, -HALF_TURN, angles) / (HALF_TURN / 2)
     return rates
 
 
@@ -115,3 +121,13 @@ def wheels_from_command(wheel_radius: float, base_length: float) -> Array:
 def _heading(poses: Array) -> Array:
     angles = poses[2]
     return np.array([np.cos(angles), np.sin(angles)])
+
+
+def rotations(angles: Array) -> Array:
+    """Rotations about the vertical axis, (3, 3, M) for M `angles` (rad) of any shape."""
+    cos, sin = np.cos(np.ravel(angles)), np.sin(np.ravel(angles))
+    turned = np.zeros((3, 3, cos.size))
+    turned[0, 0] = turned[1, 1] = cos
+    turned[0, 1], turned[1, 0] = -sin, sin
+    turned[2, 2] = 1.0
+    return turned

@@ -14,6 +14,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from barrier_certificates.ties import reached, short_of
 from rps_compat.arena import GRITSBOT_X
 from rps_compat.draws import FLAT, ONE, Curve, Draw, require
 
@@ -82,7 +83,7 @@ class Watchdog:
         """Start with no silence."""
 
         def brake(velocities: Array, age: Array) -> Array:
-            silent = age >= self.seconds
+            silent = reached(age, self.seconds)
             return _stopped(velocities, silent)
 
         return brake
@@ -154,7 +155,9 @@ class DeadBand:
         """Nothing to remember."""
 
         def rest(velocities: Array, age: Array) -> Array:
-            off = (np.abs(velocities[0]) < self.speed) & (np.abs(velocities[1]) < self.turn)
+            off = short_of(np.abs(velocities[0]), self.speed) & short_of(
+                np.abs(velocities[1]), self.turn
+            )
             return _stopped(velocities, off)
 
         return rest
@@ -323,7 +326,7 @@ def _stopped(velocities: Array, which: NDArray[np.bool_]) -> Array:
 
 def _on(velocities: Array) -> NDArray[np.bool_]:
     """Whose motors turn, (N,), at velocities (2, N)."""
-    on: NDArray[np.bool_] = (np.abs(velocities[0]) >= OFF_SPEED) | (
-        np.abs(velocities[1]) >= OFF_TURN
+    on: NDArray[np.bool_] = reached(np.abs(velocities[0]), OFF_SPEED) | reached(
+        np.abs(velocities[1]), OFF_TURN
     )
     return on

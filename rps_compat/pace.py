@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rps_compat.figure import ArenaFigure
+    from rps_compat.session import Session, StepListener
 
 
 class Pace:
@@ -34,7 +35,9 @@ class Pace:
             sleep(self._slot - now)
 
 
-def pace_of(figure: "ArenaFigure | None", real_time: bool, wait: bool | None) -> Pace | None:
+def pace_of(
+    figure: "ArenaFigure | None", real_time: bool, session: "Session"
+) -> "StepListener | None":
     """Pace of an instance; None where nobody watches and nothing waits.
 
     Parameters
@@ -43,9 +46,13 @@ def pace_of(figure: "ArenaFigure | None", real_time: bool, wait: bool | None) ->
         The instance's figure, if it has one.
     real_time
         Whether the instance asked for ``sim_in_real_time``.
-    wait
-        The session's word on it: True waits, False never does, None waits only for a window.
+    session
+        Has the last word: a pace of its own, or whether to wait. True waits, False never does, None
+        waits only for a window.
     """
+    if session.pace is not None:
+        return session.pace
+    wait = session.wait
     watched = figure is not None and figure.in_window
     waits = real_time and (watched if wait is None else wait)
     return Pace(figure if watched else None, waits) if watched or waits else None

@@ -7,7 +7,9 @@ that each generation prints at the end of a script, and plain data for JSON.
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
+from barrier_certificates.ties import beyond
 from rps_compat.arena import Arena
+from rps_compat.violations import Violations
 
 #: How generation 1 calls its faults; scripts read these strings in ``_errors``.
 MESSAGES = {
@@ -73,6 +75,8 @@ class RunReport:
         Fastest wheel asked for beyond the limit, rad/s; 0 if none was.
     faults
         Each fault once, in the order in which they began.
+    process
+        Name of the child process of the script that the robots were in; empty in its own.
     """
 
     number_of_robots: int
@@ -84,6 +88,7 @@ class RunReport:
     pairs_too_close: int
     largest_wheel_velocity: float
     faults: tuple[Fault, ...]
+    process: str = ""
 
     @property
     def clean(self) -> bool:
@@ -110,7 +115,7 @@ class RunReport:
         notes = []
         if self.number_of_robots > TESTBED_ROBOTS:
             notes.append(f"{self.number_of_robots} robots: the testbed has {TESTBED_ROBOTS}")
-        if self.duration > TESTBED_SECONDS:
+        if beyond(self.duration, TESTBED_SECONDS):
             notes.append(
                 f"{self.duration:.1f} s: the testbed ends every run after {TESTBED_SECONDS:g} s"
             )
@@ -180,17 +185,37 @@ class RunReport:
 
 def report_on(arena: Arena) -> RunReport:
     """Report on the run of `arena` so far."""
-    found, dt = arena.violations, arena.robot.time_step
+    return report_of(arena.number_of_robots, arena.steps, arena.robot.time_step, arena.violations)
+
+
+def report_of(
+    robots: int, steps: int, time_step: float, found: Violations, process: str = ""
+) -> RunReport:
+    """Report on a run of which only this is known.
+
+    Parameters
+    ----------
+    robots, steps
+        How many.
+    time_step
+        Seconds of one step.
+    found
+        What was wrong.
+    process
+        Name of the child process that the robots were in.
+    """
     return RunReport(
-        number_of_robots=arena.number_of_robots,
-        steps=arena.steps,
-        duration=arena.steps * dt,
+        number_of_robots=robots,
+        steps=steps,
+        duration=steps * time_step,
         steps_too_close=found.close_steps,
         steps_outside=found.outside_steps,
         steps_over_actuator_limits=found.actuator_steps,
         pairs_too_close=found.close_pairs,
         largest_wheel_velocity=found.largest_wheel_velocity,
         faults=tuple(
-            Fault(e.kind, e.robots, e.first * dt, e.last * dt, e.worst) for e in found.events
+            Fault(e.kind, e.robots, e.first * time_step, e.last * time_step, e.worst)
+            for e in found.events
         ),
+        process=process,
     )

@@ -19,6 +19,7 @@ reads the same numbers.
 import numpy as np
 from numpy.typing import NDArray
 
+from barrier_certificates.ties import reached, within
 from rps_compat.errors import RobotariumError
 
 Array = NDArray[np.float64]
@@ -99,7 +100,7 @@ def cast_rays(
         with np.errstate(divide="ignore", invalid="ignore"):  # rays parallel to the segment
             distance = (to_x * wall_y - to_y * wall_x) / turn
             share = (to_x * along_y - to_y * along_x) / turn
-        met = (distance >= 0) & (share >= 0) & (share <= 1)
+        met = reached(distance, 0.0) & reached(share, 0.0) & within(share, 1.0)
         np.minimum(nearest, distance, out=nearest, where=met)
     if robot_diameter is not None:
         x, y, theta = poses
@@ -111,10 +112,10 @@ def cast_rays(
             chord = (robot_diameter / 2) ** 2 - (squared - closest * closest)
             distance = closest - np.sqrt(np.maximum(chord, 0.0))
             # A body whose centre is out of range is not seen, though its rim may be in range.
-            met = (chord >= 0) & (distance >= 0) & (squared <= reach * reach)
+            met = reached(chord, 0.0) & reached(distance, 0.0) & within(squared, reach * reach)
             met[:, robot] = False
             np.minimum(nearest, distance, out=nearest, where=met)
-    return np.where(nearest <= reach, nearest, NO_READING)
+    return np.where(within(nearest, reach), np.clip(nearest, 0.0, reach), NO_READING)
 
 
 def _segments(obstacles: Array | None) -> Array:

@@ -14,7 +14,7 @@ own recorder.
 import contextlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import Any, Literal, get_args
+from typing import Any, Literal, Protocol, get_args
 
 import numpy as np
 
@@ -22,6 +22,13 @@ from rps_compat.arena import Arena, Array, Realism, Recorder, RobotModel
 from rps_compat.errors import RobotariumError
 
 Initial = Literal["published", "exact", "arrive", "drive"]
+
+
+class StepListener(Protocol):
+    """What is told of the end of each step of each instance."""
+
+    def after_step(self, time_step: float, /) -> None:
+        """Take note that a step of `time_step` seconds is done."""
 
 
 class SessionError(RobotariumError, ValueError):
@@ -47,9 +54,14 @@ class Session:
         Makes what records one instance, from its number of robots; None records nothing.
     created
         Is told of each new instance.
+    process
+        Numbers that tell the random streams of a child process of the script from others'; none in
+        its own process.
     wait
         Whether ``sim_in_real_time=True`` really waits: True, False, or None for only where
         somebody can see it, in a window.
+    pace
+        Is told of the end of each step, in place of waiting; None waits as `wait` says.
     """
 
     initial: Initial = "published"
@@ -58,6 +70,8 @@ class Session:
     recorder: Callable[[int], Recorder] | None = None
     created: Callable[[Any], None] | None = None
     wait: bool | None = None
+    process: tuple[int, ...] = ()
+    pace: StepListener | None = None
     instances: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
@@ -76,7 +90,7 @@ class Session:
         self.instances += 1
         if self.seed is None:
             return np.random.default_rng(np.random.randint(2**31))  # noqa: NPY002
-        return np.random.default_rng([self.seed, stream])
+        return np.random.default_rng([self.seed, stream, *self.process])
 
     def mode(self, published: Literal["exact", "drive"]) -> Literal["exact", "arrive", "drive"]:
         """How an instance comes to its initial conditions, if the API would do as `published`."""

@@ -1,25 +1,19 @@
 """What stands around a script while it runs, and is put back when it ends.
 
-A matplotlib that draws on demand, prepared answers to ``input()``, a limit of real time: each is
-a context manager, so that a script that fails leaves the process as it found it.
+A matplotlib that draws on demand, prepared answers to ``input()``: each is a context manager, so
+that a script that fails leaves the process as it found it.
 """
 
 import builtins
 import contextlib
-import math
 import os
-import signal
 import sys
-import threading
-from collections.abc import Iterator, Sequence
-from pathlib import Path
-from types import FrameType
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from types import ModuleType
+from typing import TextIO
 
-from rps_compat.errors import ScriptError
-
-
-class OutOfTime(BaseException):
-    """The time limit of a run is over; not an Exception, so that scripts do not swallow it."""
+from rps_compat.when_imported import when_imported
 
 
 def has_display() -> bool:
@@ -30,26 +24,80 @@ def has_display() -> bool:
 
 
 @contextlib.contextmanager
-def headless_matplotlib() -> Iterator[None]:
-    """Draw on demand, whatever window system the script asks matplotlib for."""
+def headless_matplotlib() -> Iterator[dict[str, None]]:
+    """Draw on demand, whatever window system the script asks matplotlib for.
+
+    The block is given what the run will have to tell about its windows. A script that draws nothing
+    does not wait for matplotlib to be imported.
+    """
+    notes: dict[str, None] = {}
+    changes: dict[str, Callable[[], contextlib.AbstractContextManager[None]]] = {
+        "matplotlib": _no_choice_of_backend,
+        "matplotlib.pyplot": partial(_no_windows, notes),
+    }
+    with contextlib.ExitStack() as around:
+
+        def change(module: ModuleType) -> None:
+            around.enter_context(changes[module.__name__]())
+
+        around.enter_context(when_imported(changes, change))
+        yield notes
+
+
+@contextlib.contextmanager
+def _no_choice_of_backend() -> Iterator[None]:
+    import matplotlib as mpl
+
+    use = mpl.use
+    mpl.use = lambda *args, **kwargs: None
+    try:
+        yield
+    finally:
+        mpl.use = use
+
+
+@contextlib.contextmanager
+def _no_windows(notes: dict[str, None]) -> Iterator[None]:
     import matplotlib as mpl
     from matplotlib import pyplot as plt
 
-    figures, backend, use, switch = (
-        plt.get_fignums(),
-        mpl.get_backend(),
-        mpl.use,
-        plt.switch_backend,
-    )
+    from rps_compat import headless_backend
+
+    before, headless_backend.notes = headless_backend.notes, notes
+    figures, backend, switch = plt.get_fignums(), mpl.get_backend(), plt.switch_backend
     switch("module://rps_compat.headless_backend")
-    mpl.use = plt.switch_backend = lambda *args, **kwargs: None  # type: ignore[assignment]
+    plt.switch_backend = lambda *args, **kwargs: None
     try:
         yield
     finally:
         for number in set(plt.get_fignums()) - set(figures):
             plt.close(number)
-        mpl.use, plt.switch_backend = use, switch
-        switch(backend)
+        plt.switch_backend = switch
+        with contextlib.suppress(ImportError):  # it needs a display
+            switch(backend)
+        headless_backend.notes = before
+
+
+@contextlib.contextmanager
+def stdout_on_stderr() -> Iterator[TextIO]:
+    """Let everything that is printed go to stderr, by child processes as well.
+
+    The block is given the stdout of before, for what is to go there all the same.
+    """
+    sys.stdout.flush()
+    stdout = os.dup(1)
+    os.dup2(2, 1)
+    ours = sys.stdout
+    with contextlib.suppress(OSError):  # it is no file
+        if ours.fileno() == 1:
+            ours = open(stdout, "w", encoding=ours.encoding, errors=ours.errors, closefd=False)  # noqa: SIM115 - flushed below
+    try:
+        with contextlib.redirect_stdout(sys.stderr):
+            yield ours
+    finally:
+        ours.flush()
+        os.dup2(stdout, 1)
+        os.close(stdout)
 
 
 @contextlib.contextmanager
@@ -67,35 +115,3 @@ def answering(answers: Sequence[str]) -> Iterator[None]:
         yield
     finally:
         builtins.input = asked
-
-
-@contextlib.contextmanager
-def time_limit(seconds: float | None) -> Iterator[None]:
-    """Raise OutOfTime in the script after `seconds` of real time."""
-    if seconds is None or not math.isfinite(seconds):
-        yield
-        return
-    if threading.current_thread() is not threading.main_thread() or not hasattr(
-        signal, "setitimer"
-    ):
-        raise ScriptError("a time limit needs the main thread of a POSIX system")
-
-    def stop(number: int, frame: FrameType | None) -> None:
-        raise OutOfTime
-
-    before = signal.signal(signal.SIGALRM, stop)
-    # Repeated, because a bare `except:` in the script may swallow the first.
-    signal.setitimer(signal.ITIMER_REAL, seconds, 0.25)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
-
-
-def forget_modules_of(folder: Path, known: set[str]) -> None:
-    """Drop modules that the script imported from its own `folder`: the next script has its own."""
-    for name in set(sys.modules) - known:
-        source = getattr(sys.modules[name], "__file__", None)
-        if source and Path(source).parent == folder:
-            del sys.modules[name]

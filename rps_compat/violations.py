@@ -11,6 +11,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from barrier_certificates import ties
+
 Kind = Literal["collision", "boundary", "actuator"]
 
 
@@ -45,6 +47,9 @@ class Violations:
 
     Attributes
     ----------
+    saturated_steps
+        Steps in which a wheel's speed was cut, if only by a last bit: held commands that were cut
+        before are sometimes cut again by rounding, and the published simulators count that.
     actuator_steps
         Steps in which at least one wheel was asked for more than its limit.
     largest_wheel_velocity
@@ -63,6 +68,7 @@ class Violations:
         Faults in the order in which they began.
     """
 
+    saturated_steps: int = 0
     actuator_steps: int = 0
     largest_wheel_velocity: float = 0.0
     outside_steps: int = 0
@@ -80,16 +86,20 @@ class Violations:
 
     def actuator(self, step: int, wheels: NDArray[np.float64], limit: float) -> None:
         """Count a step whose `wheels` (2, N), absolute rad/s, go beyond `limit`."""
-        self.actuator_steps += 1
+        self.saturated_steps += 1
         fastest = wheels.max(axis=0)
+        robots = np.flatnonzero(ties.beyond(fastest, limit))
+        if not robots.size:
+            return
+        self.actuator_steps += 1
         self.largest_wheel_velocity = max(self.largest_wheel_velocity, float(fastest.max()))
-        for robot in np.flatnonzero(fastest > limit):
+        for robot in robots:
             self._note("actuator", (int(robot),), step, float(fastest[robot]))
 
     def outside(self, step: int, beyond: NDArray[np.float64]) -> None:
         """Count a step that begins with robots `beyond` (N,) metres outside; inside is negative."""
         self.outside_steps += 1
-        for robot in map(int, np.flatnonzero(beyond > 0)):
+        for robot in map(int, np.flatnonzero(ties.beyond(beyond, 0.0))):
             self.outside_by_robot[robot] = self.outside_by_robot.get(robot, 0) + 1
             self._note("boundary", (robot,), step, float(beyond[robot]))
 
@@ -107,6 +117,12 @@ class Violations:
             for robot in (i, j):
                 self.close_by_robot[robot] = self.close_by_robot.get(robot, 0) + 1
             self._note("collision", (i, j), step, distance)
+
+    def lasting(self, since: int) -> list[Event]:
+        """Return the events that were seen at step `since` or later, of each kind and robots."""
+        if since == 0:
+            return self.events
+        return [event for event in self._open.values() if event.last >= since]
 
     def _note(self, kind: Kind, robots: tuple[int, ...], step: int, value: float) -> None:
         event = self._open.get((kind, robots))

@@ -5,13 +5,15 @@ from functools import wraps
 from typing import Any, NoReturn, ParamSpec
 
 from rps_compat.errors import WrongArgumentError, WrongGenerationError
-from rps_compat.generations import ATTRIBUTES, NEW_ARGUMENTS
-
-#: Attributes of an instance: generation 1's name → generation 2's.
-RENAMED = ATTRIBUTES
+from rps_compat.scripts.generation_names import (
+    METHODS,
+    NEW_ARGUMENTS,
+    OLD_ARGUMENTS,
+    OLD_ATTRIBUTES,
+    counterpart,
+)
 
 _Arguments = ParamSpec("_Arguments")
-_RIGHT = {1: {new: old for old, new in ATTRIBUTES.items()}, 2: ATTRIBUTES}
 
 
 def refuse(instance: Any, name: str, generation: int) -> NoReturn:
@@ -25,13 +27,18 @@ def refuse(instance: Any, name: str, generation: int) -> NoReturn:
         `name` belongs to neither.
     """
     kind = type(instance).__name__
-    right = _RIGHT[generation].get(name)
+    right = counterpart(name, generation)
     if right is None:
         raise AttributeError(f"{kind!r} object has no attribute {name!r}")
-    call = "()" if name in ("call_at_scripts_end", "debug") else ""
+    whose = (
+        "in the API of 2017 to 2019"
+        if name in OLD_ATTRIBUTES
+        else f"in generation {3 - generation} of the API"
+    )
+    call = "()" if right in METHODS else ""
     raise WrongGenerationError(
-        f"{kind!r} object has no attribute {name!r}: that is the name in generation "
-        f"{3 - generation} of the API; generation {generation} calls this {right}{call}"
+        f"{kind!r} object has no attribute {name!r}: that is the name {whose}; generation "
+        f"{generation} calls this {right}{call}"
     )
 
 
@@ -47,6 +54,12 @@ def refuse_new_arguments(constructor: Callable[_Arguments, None]) -> Callable[_A
     @wraps(constructor)
     def checked(*args: _Arguments.args, **kwargs: _Arguments.kwargs) -> None:
         for name in kwargs:
+            if name in OLD_ARGUMENTS:
+                new = OLD_ARGUMENTS[name]
+                raise WrongArgumentError(
+                    f"Robotarium of generation 1 has no argument {name!r}: that is of the API of "
+                    f"2017 to 2019; {f'write {new}' if new else 'leave it out'}"
+                )
             if name in NEW_ARGUMENTS:
                 raise WrongArgumentError(
                     f"Robotarium of generation 1 has no argument {name!r}: that is generation 2's: "

@@ -12,6 +12,7 @@ from barrier_certificates.certificate_errors import (
     ParameterError,
     ShapeError,
 )
+from barrier_certificates.rows import Disc
 from barrier_certificates.single_integrator import SingleIntegratorCertificate
 from barrier_certificates.unicycle import UnicycleCertificate
 
@@ -35,6 +36,41 @@ def test_rows_say_what_they_stand_for():
     assert set(info.active) == {"robots 0 and 1", "robot 2 and wall +x"}
     assert info.smallest_h == pytest.approx(0.16**2 - 0.15**2)
     assert info.clearance == pytest.approx(0.01)
+
+
+def test_what_is_nearest_is_told_in_metres_and_by_name():
+    """A wall at 1 cm is nearer than a pair at 2 cm, whose h in m² is the smaller number."""
+    certificate = SingleIntegratorCertificate(boundary=ARENA)
+    positions = [[-0.085, 0.085, 1.515], [0.0, 0.0, 0.0]]
+    _, info = certificate(np.zeros((2, 3)), positions)
+    assert info.nearest == "robot 2 and wall +x"
+    assert info.clearance == pytest.approx(0.01)
+    assert info.smallest_h == pytest.approx(0.01)
+    _, info = certificate(np.zeros((2, 2)), np.array(positions)[:, :2])
+    assert info.nearest == "robots 0 and 1"
+    assert info.clearance == pytest.approx(0.02)
+    assert info.smallest_h == pytest.approx(0.17**2 - 0.15**2)
+    post = [Disc((0.0, 0.3), 0.1), Disc((0.1, 0.1), 0.02, name="post")]
+    _, info = certificate(np.zeros((2, 2)), np.array(positions)[:, :2], post)
+    assert info.nearest == "robot 1 and post"
+    assert info.clearance == pytest.approx(np.hypot(0.015, 0.1) - 0.095)
+
+
+def test_nothing_is_nearest_where_there_is_nothing_or_nothing_known():
+    _, info = SingleIntegratorCertificate()(np.zeros((2, 1)), np.zeros((2, 1)))
+    assert (info.nearest, info.clearance, info.smallest_h) == (None, np.inf, np.inf)
+    _, info = SingleIntegratorCertificate()(np.zeros((2, 1)), np.full((2, 1), np.nan))
+    assert (info.nearest, info.violated, info.active) == (None, (), ())
+
+
+def test_what_has_to_give_way_is_named_the_furthest_from_holding_first():
+    certificate = SingleIntegratorCertificate(boundary=ARENA, barrier_gain=1e4)
+    positions = [[2.0, 0.0, 0.14], [0.0, 0.0, 0.0]]
+    velocity, info = certificate(np.zeros((2, 3)), positions)
+    assert info.status == "relaxed"
+    assert info.violated == ("robot 0 and wall +x",)
+    worst = info.rows.excess(velocity.T.ravel())
+    assert info.violation == worst.max() == worst[info.broken[0]]
 
 
 def test_inputs_are_left_alone():

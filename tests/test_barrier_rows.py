@@ -1,5 +1,7 @@
 """Rows mean what they say: unit norm, the right side, a name, and nothing lost in pruning."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -229,3 +231,63 @@ def test_there_are_no_margins_or_commands_of_what_is_not_a_number():
         UnicycleCertificate().commands([[np.nan], [0.0]], np.zeros((3, 1)))
     with pytest.raises(NotFiniteError):
         UnicycleCertificate().commands([[0.0], [0.0]], [[0.0], [0.0], [np.inf]])
+
+
+def test_certificates_are_their_parameters_and_compare_so():
+    certificate = UnicycleCertificate(0.2, boundary=ARENA, obstacles=[Disc((0, 0), 0.1)])
+    same = UnicycleCertificate(0.2, boundary=np.array(ARENA), obstacles=(Disc((0.0, 0.0), 0.1),))
+    assert certificate == same
+    assert hash(certificate) == hash(same)
+    assert certificate != dataclasses.replace(certificate, speed_limit=0.1)
+    assert certificate != dataclasses.replace(certificate, safety_radius=0.1)
+    assert "safety_radius=0.2, barrier_gain=100.0" in repr(certificate)
+    assert dataclasses.asdict(certificate)["obstacles"][0]["radius"] == 0.1
+
+
+def test_unchecked_certificates_take_any_number():
+    with pytest.raises(ParameterError, match="barrier_gain"):
+        SingleIntegratorCertificate(barrier_gain=-1.0)
+    certificate = SingleIntegratorCertificate(0.0, -1.0, speed_limit=0.0, checked=False)
+    velocity, _ = certificate([[0.1, 0.1], [0.0, 0.0]], [[0.0, 0.5], [0.0, 0.0]])
+    np.testing.assert_allclose(velocity, 0.0, atol=1e-9)
+    with pytest.raises(ParameterError, match="boundary"):  # what cannot be read at all
+        SingleIntegratorCertificate(boundary="arena", checked=False)
+
+
+def test_limits_may_be_rows_of_your_own():
+    box = VelocityPolygon.box(0.2).rows()
+    certificate = SingleIntegratorCertificate(limits=box)
+    velocity, info = certificate([[1.0], [1.0]], [[0.0], [0.0]])
+    np.testing.assert_allclose(velocity, 0.2, atol=1e-12)
+    assert info.active == ("robot 0: speed limit",) * 2
+
+
+def test_walls_allow_for_disturbed_wheels_unless_told_not_to():
+    at_wall, ahead = [[1.4], [0.0], [0.0]], [[0.15], [0.0]]
+    kept = {
+        (disturbance, robust): UnicycleCertificate(
+            boundary=ARENA, wheel_disturbance=disturbance, robust_walls=robust
+        )(ahead, at_wall)[0][0, 0]
+        for disturbance in (0.0, 0.5)
+        for robust in (False, True)
+    }
+    assert kept[0.0, True] == kept[0.0, False] == kept[0.5, False]
+    assert kept[0.5, True] == pytest.approx(kept[0.0, True] - 0.5 * 0.016)
+
+
+def test_a_call_may_say_where_obstacles_are_by_now():
+    """More, fewer, moved or none: only the call counts, and the certificate's own come back."""
+    own = [Disc((0.3, 0.0), 0.1)]
+    certificate = SingleIntegratorCertificate(obstacles=own)
+    command, positions = [[0.2], [0.0]], [[0.1], [0.0]]
+    free = SingleIntegratorCertificate()(command, positions)[0]
+    held = certificate(command, positions)[0]
+    assert held[0, 0] < 0.01
+    np.testing.assert_array_equal(certificate(command, positions, [])[0], free)
+    far = [Disc((3.0, 0.0), 0.1), Disc((0.0, 3.0), 0.1)]
+    np.testing.assert_array_equal(certificate(command, positions, far)[0], free)
+    moved = certificate(command, positions, [Disc((0.35, 0.0), 0.1)])[0]
+    assert held[0, 0] < moved[0, 0] < free[0, 0]
+    np.testing.assert_array_equal(certificate(command, positions)[0], held)
+    assert certificate.margins(positions, 0.2, []) == []
+    assert [m.what for m in certificate.margins(positions, 0.2)] == ["robot 0 and obstacle 0"]

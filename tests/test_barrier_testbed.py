@@ -7,19 +7,26 @@ from pathlib import Path
 
 import pytest
 
+from posflock_robotarium.bundle import bundle
+
 ROOT = Path(__file__).resolve().parents[1]
 PINS = ("numpy==2.2.6", "scipy==1.15.3", "cvxopt==1.3.2")
+
+IMPORTS = (
+    "from barrier_certificates import solvers",
+    "from barrier_certificates.single_integrator import SingleIntegratorCertificate",
+    "from barrier_certificates.unicycle import UnicycleCertificate",
+)
 
 REPLAY = """
 import sys
 import numpy as np, scipy
 assert sys.version_info[:2] == (3, 10), sys.version
 assert (np.__version__, scipy.__version__) == ("2.2.6", "1.15.3")
-from barrier_certificates import solvers
-from barrier_certificates.single_integrator import SingleIntegratorCertificate
-from barrier_certificates.unicycle import UnicycleCertificate
+{imports}
 from recorded_certificates import check, load
 
+assert __import__("pathlib").Path(solvers.__file__).parts[-2:] == ("up", "solvers.py")
 assert [name for name in solvers.NAMES if solvers.installed(name)] == ["nnls", "cvxopt"]
 cases = load()
 for solver in ("auto", "nnls", "cvxopt"):
@@ -66,9 +73,13 @@ def test_certificates_run_on_the_testbeds_python_and_libraries(tmp_path):
     done = subprocess.run(install, capture_output=True, text=True)
     if done.returncode:
         pytest.skip(f"cannot install {', '.join(PINS)}: {done.stderr.strip().splitlines()[-1]}")
-    paths = os.pathsep.join([str(ROOT), str(ROOT / "tests")])
+    # As they travel: flat, packages and the packages in them as files of one folder.
+    script = tmp_path / "uploaded.py"
+    script.write_text("import rps, cvxopt\n" + "\n".join(IMPORTS) + "\n")
+    bundle(script, tmp_path / "up")
+    paths = os.pathsep.join([str(tmp_path / "up"), str(ROOT / "tests")])
     done = subprocess.run(
-        [str(inside), "-c", REPLAY],
+        [str(inside), "-c", REPLAY.replace("{imports}", "\n".join(IMPORTS))],
         cwd=tmp_path,
         env={**os.environ, "PYTHONPATH": paths, "OPENBLAS_NUM_THREADS": "1"},
         capture_output=True,

@@ -166,7 +166,10 @@ ZOO = Path(__file__).parent / "zoo"
 @pytest.mark.parametrize(
     ("script", "warning"),
     [
-        ("faulty/generation_one_ending.py", r"line 10: call_at_scripts_end .* write debug\(\)"),
+        (
+            "faulty/generation_one_ending.py",
+            r"line 10: call_at_scripts_end\(\) .* debug\(\)",
+        ),
         ("faulty/generation_one_utility.py", "line 6: create_single_integrator_barrier"),
         ("sound/two_robots_forward.py", None),
         (EXPERIMENT, None),
@@ -217,6 +220,34 @@ def test_the_experiment_goes_with_what_it_needs_and_no_more(tmp_path):
         "solve_nnls.py", "solve_cvxopt.py"
     }  # fmt: skip
     assert bundling.main_file(tmp_path / "up") == EXPERIMENT.name
+
+
+def test_certificates_lie_flat_with_the_packages_inside_and_work(tmp_path):
+    """Everything of ours that a script imports is found in the folder, under its dotted name."""
+    home = tmp_path / "home"
+    main = write(
+        home,
+        "main_script.py",
+        "import sys\nfrom pathlib import Path\nimport numpy as np\n"
+        "from barrier_certificates.projection import Projector\n"
+        "from barrier_certificates.rows import Disc\n"
+        "from barrier_certificates.unicycle import UnicycleCertificate\n"
+        "certificate = UnicycleCertificate(0.3, obstacles=[Disc((0.1, 0.0), 0.1)])\n"
+        "poses = np.array([[-0.2, 0.2], [0.0, 0.0], [0.0, np.pi]])\n"
+        "_, info = certificate([[0.2, 0.2], [0.0, 0.0]], poses)\n"
+        "ours = [m for name, m in sys.modules.items() if name.startswith('barrier_cert')]\n"
+        "print(info.status, len(ours), {Path(m.__file__).parent.name for m in ours})\n",
+    )
+    up = tmp_path / "up"
+    ready = bundle(main, up)
+    assert {"rows.py", "projection.py", "solvers.py", "row_set.py", "projector.py"} < set(
+        ready.files
+    )
+    done = run(sys.executable, up, "main_script.py")
+    assert done.stderr == ""
+    status, loaded, folders = done.stdout.split()
+    assert (status, folders) == ("relaxed", "{'up'}")
+    assert int(loaded) == sum(name != "main_script.py" for name in ready.files) - 1
 
 
 def test_the_experiments_bundle_is_the_same_where_no_solver_is_installed(tmp_path, monkeypatch):

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from posflock_robotarium import rehearse as rehearsing
-from posflock_robotarium import testbed
 from posflock_robotarium.bundle import BundleError, bundle
 from posflock_robotarium.errors import OutputError, ParameterError
 from posflock_robotarium.poselog import read_log
 from posflock_robotarium.rehearse import Environment, RehearsalError, rehearse, report_on
 from posflock_robotarium.verify.static import check_source
 from posflock_robotarium.verify.trials import Limits, TrialRoom
+from rps_compat.scripts import libraries
 
 EXPERIMENT = Path(__file__).parents[1] / "experiments" / "robotarium_9bot.py"
 HERE = Environment(Path(sys.executable), "this one", {})
@@ -189,7 +189,7 @@ def test_the_experiments_bundle_repeats_the_unbundled_run(tmp_path, generation):
     if not done.environment.note:
         assert done.environment.version.startswith("3.10.")
     assert {n: versions[n] for n in ("numpy", "scipy", "matplotlib", "cvxopt")} == {
-        n: testbed.LIBRARIES[n] for n in ("numpy", "scipy", "matplotlib", "cvxopt")
+        n: libraries.LIBRARIES[n] for n in ("numpy", "scipy", "matplotlib", "cvxopt")
     }
     site = next(done.environment.python.parents[1].glob("lib/python*/site-packages"))
     there = {name.lower() for name in os.listdir(site)}

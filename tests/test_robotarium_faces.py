@@ -110,12 +110,24 @@ def _grid(robots):
     ("poses", "message"),
     [
         ([[0, np.nan], [0, 0], [0, 0]], r"initial_conditions\[0, 1\] \(x of robot 1\) is nan"),
-        ([[0, 1.7], [0, 0], [0, 0]], r"robot 1 cannot start at \(1.7, 0\)"),
     ],
 )
 def test_impossible_initial_conditions_name_the_robot(api, poses, message):
     with pytest.raises(InitialConditionsError, match=message):
         make(api, np.array(poses))
+
+
+@pytest.mark.parametrize("driven", [False, True])
+def test_starting_outside_is_warned_of_and_counted(api, driven):
+    poses = np.array([[0, 1.7], [0, 0], [0, 0.0]])
+    session = Session(initial="drive" if driven else "exact")
+    warned = pytest.warns(UserWarning, match=r"outside the arena .* robot 1 at \(1.7, 0\)")
+    with session.active(), warned:
+        r = make(api, poses)
+    drive(r, np.zeros((2, 2)), 3)
+    assert np.abs(r.get_poses()[:2] - poses[:2]).max() < 0.02
+    assert r._arena.violations.outside_steps >= 2
+    assert r._errors
 
 
 def test_starting_too_close_is_warned_of_and_counted(api):

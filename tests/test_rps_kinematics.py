@@ -81,16 +81,6 @@ def test_cutting_turn_rates_does_not_hide_nan():
     np.testing.assert_array_equal(cut, [np.nan, 1.0, -1.0, 0.5])
 
 
-@given(commands_and_poses())
-def test_both_ways_to_the_body_frame_agree(pair):
-    velocities, poses = pair
-    np.testing.assert_allclose(
-        kinematics.body_frame(velocities, poses[2]),
-        kinematics.along_and_across(velocities, poses),
-        atol=1e-12,
-    )
-
-
 @pytest.mark.parametrize("generation", [first, second])
 def test_a_velocity_to_the_left_turns_at_the_limit(generation):
     to_command = generation.create_si_to_uni_dynamics(angular_velocity_limit=2.0)

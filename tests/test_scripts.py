@@ -11,11 +11,13 @@ import pytest
 from typer.testing import CliRunner
 
 from posflock_robotarium.cli import app
-from posflock_robotarium.errors import ParameterError
+from posflock_robotarium.errors import PosflockError
 from posflock_robotarium.poselog import read_log
 from posflock_robotarium.recording import open_pose_log
 from rps_compat.errors import ScriptError
-from rps_compat.runner import RunSettings, SettingsError, run_script, summary
+from rps_compat.run_result import summary
+from rps_compat.run_settings import RunSettings, SettingsError
+from rps_compat.runner import run_script
 
 SCRIPTS = Path(__file__).parent / "scripts"
 
@@ -56,8 +58,8 @@ FINISHING = {
     "generation2_goals.py": (2, "done: True"),
     "generation2_sensors.py": (2, "(2, 3) (3, 3) (3, 3) (3, 3) (3,) (2, 7, 3)\nTrue"),
     "generation2_subsets.py": (2, "[0.08 0.08 0.08 0.08] 31"),
-    "either_generation.py": (1, "time step 0.033"),
-    "tells_no_generation.py": (1, "there (3, 2)"),
+    "either_generation.py": (2, "time step 0.033"),
+    "tells_no_generation.py": (2, "there (3, 2)"),
 }
 
 
@@ -96,7 +98,7 @@ def test_endless_script_is_stopped_and_its_log_kept(run):
 
 
 def test_wrong_name_gets_the_right_one(run):
-    result, _, err, log = run("wrong_name.py")
+    result, _, err, log = run("wrong_name.py", api=1)
     assert (result.ended, result.exit_code) == ("failed", 1)
     assert "generation 1 calls this call_at_scripts_end()" in result.reason
     assert "runner.py" not in err, "the traceback begins in the script"
@@ -113,7 +115,7 @@ def test_names_of_the_other_generation_are_told_before_the_run(tmp_path):
         "r.get_poses(); r.step()\n"
         "r.call_at_scripts_end()\n"
     )
-    note = "line 6: call_at_scripts_end is generation 1's; running as generation 2, which calls it"
+    note = "line 6: call_at_scripts_end() is generation 1's; generation 2 calls it"
     done = subprocess.run(
         [sys.executable, "-u", "-m", "posflock_robotarium", "run", "-o", tmp_path / "out", script],
         stdout=subprocess.PIPE,
@@ -137,7 +139,7 @@ def test_a_generation_that_nothing_tells_is_said_to_be_assumed(run):
     assert result.notes == ()
     told = []
     result, _, _, _ = run("tells_no_generation.py", tell=told.append)
-    assert "nothing in the script tells its generation: running as generation 1" in told[0]
+    assert "nothing in the script tells its generation: running as generation 2" in told[0]
     assert told == list(result.notes)
     result, _, _, _ = run("tells_no_generation.py", api=1)
     assert result.notes == ()
@@ -327,7 +329,7 @@ def test_impossible_options_are_no_fault_of_the_script(tmp_path, options, messag
     script, out = tmp_path / "s.py", tmp_path / "out"
     script.write_text("print('never')")
     result = CliRunner().invoke(app, ["run", *options, "-o", str(out), str(script)])
-    assert isinstance(result.exception, ParameterError)
+    assert isinstance(result.exception, PosflockError)
     assert message in str(result.exception)
     assert not out.exists()
 
@@ -336,5 +338,5 @@ def test_script_that_is_none(tmp_path):
     with pytest.raises(ScriptError, match="No such file"):
         run_script(tmp_path / "nothing.py")
     (tmp_path / "text.py").write_text("once upon a time")
-    with pytest.raises(ScriptError, match="not a Python script"):
+    with pytest.raises(ScriptError, match="line 1: not valid Python"):
         run_script(tmp_path / "text.py")

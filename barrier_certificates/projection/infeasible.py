@@ -24,6 +24,7 @@ from barrier_certificates.projection.projection_info import ProjectionInfo
 from barrier_certificates.projection.scaled_program import TOLERANCE, Program
 from barrier_certificates.projection.working_set import BINDS, ROUNDS, WorkingSet
 from barrier_certificates.rows.row_set import Rows
+from barrier_certificates.ties import rank
 
 Policy = Literal["relax", "stop", "raise"]
 
@@ -99,10 +100,9 @@ def _within_hard_limits(velocity: FloatArray, rows: Rows) -> FloatArray | None:
 def furthest_from_holding(program: Program) -> InfeasibleError:
     """Return the error that names the rows that the command breaks most."""
     rows, excess = program.rows, program.excess
-    furthest = [k for k in np.argsort(-excess)[:3] if excess[k] > TOLERANCE]
-    named = "; ".join(
-        f"{rows.label(int(k))} ({excess[k] * program.unit:.3g} m/s)" for k in furthest
-    )
+    furthest_first = sorted(range(len(rows)), key=lambda k: -rank(float(excess[k])))[:3]
+    furthest = [k for k in furthest_first if excess[k] > TOLERANCE]
+    named = "; ".join(f"{rows.label(k)} ({excess[k] * program.unit:.3g} m/s)" for k in furthest)
     return InfeasibleError(
         f"no velocity satisfies all {len(rows)} rows; the command breaks most: {named}. "
         "Part the robots, bring them inside the walls, or use on_infeasible='relax'"

@@ -16,7 +16,7 @@ Status = Literal["trivial", "optimal", "relaxed", "failed"]
 NO_ROWS: IntArray = np.zeros(0, dtype=np.intp)
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class ProjectionInfo:
     """What a projection did.
 

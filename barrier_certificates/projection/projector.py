@@ -91,27 +91,24 @@ class Projector:
             )
         if not checks.finite(desired):
             return self.refuse(desired)
-        target = desired.T.reshape(-1)
-        program = Program(target, rows, rows.excess(target), top_speed)
-        worst = program.worst() if len(rows) else 0.0
-        if not math.isfinite(worst):
+        program = Program.of(desired.T.reshape(-1), rows, top_speed)
+        if not math.isfinite(program.worst):
             return self.refuse(desired)
-        if worst <= TOLERANCE:
+        if program.worst <= TOLERANCE:
             self._search.forget()
-            return desired.copy(), ProjectionInfo("trivial", max(worst, 0.0), rows=rows)
+            return desired.copy(), ProjectionInfo("trivial", max(program.worst, 0.0), rows=rows)
         info = ProjectionInfo("optimal", rows=rows)
-        program = program.brought_near().scaled()
-        point = program.unit * self._answer(program, info)
-        info.violation *= program.unit
-        velocity = point.reshape(-1, 2).T.copy()
+        program = program.scaled()
+        velocity = self._answer(program, info).reshape(-1, 2).T.copy()
+        if program.unit != 1.0:
+            velocity *= program.unit
+            info.violation *= program.unit
         info.intervention = largest_speed(velocity - desired)
         return velocity, info
 
     def _answer(self, program: Program, info: ProjectionInfo) -> FloatArray:
         """Return the optimum (2N,), or what the policy says where there is none."""
-        point = None
-        if not program.is_out_of_reach():
-            point = self._search.optimum(program, info)
+        point = self._search.optimum(program, info)
         if point is not None:
             return point
         self._search.forget()

@@ -7,9 +7,9 @@ answer holds, the best one is refused, and a state that has a safe velocity pass
 none. The program is the same in any unit. So it is solved in one of its own: bounds and command are
 divided by a speed, the answer is multiplied by it.
 
-That speed is the largest excess of a row at the command, which is how far the command is moved at
-least; but no more than the top speed of the robots, which no answer exceeds. Up to 10 m/s the unit
-is 1 m/s, so that nothing changes for robots.
+That speed is the largest excess of a row at the command, since no answer is nearer to the command
+than that; but no more than the top speed of the robots, since no answer is faster. Up to 10 m/s the
+unit is 1 m/s, so that nothing changes for robots.
 """
 
 from __future__ import annotations
@@ -42,6 +42,8 @@ class Program(NamedTuple):
         What must hold.
     excess : (m,) array
         ``rows.excess(target)``.
+    worst : float
+        The largest of it; zero where there are no rows.
     top_speed : float
         No robot can be faster; infinite where nothing limits speeds.
     unit : float
@@ -51,35 +53,38 @@ class Program(NamedTuple):
     target: FloatArray
     rows: Rows
     excess: FloatArray
+    worst: float
     top_speed: float
     unit: float = 1.0
 
-    def worst(self) -> float:
-        """Return how far the command breaks a row at most."""
-        return float(self.excess[self.excess.argmax()])
+    @classmethod
+    def of(cls, target: FloatArray, rows: Rows, top_speed: float) -> Program:
+        """Return the program for a target and rows, in m/s."""
+        excess = rows.excess(target)
+        # argmax costs a tenth of max on small arrays.
+        worst = float(excess[excess.argmax()]) if excess.shape[0] else 0.0
+        return cls(target, rows, excess, worst, top_speed)
 
     def scaled(self) -> Program:
         """Return the same program in a unit of speed that suits its numbers."""
-        largest = min(self.worst(), self.top_speed)
-        if not largest > _FAST:
+        if self.worst <= _FAST:
             return self
-        return Program(
-            self.target / largest,
-            self.rows.with_bound(self.rows.bound / largest),
-            self.excess / largest,
-            self.top_speed / largest,
-            largest * self.unit,
-        )
+        near = self._brought_near()
+        unit = min(near.worst, self.top_speed)
+        if unit <= _FAST:
+            return near
+        rows = self.rows.with_bound(self.rows.bound / unit)
+        speeds = (near.worst / unit, self.top_speed / unit)
+        return Program(near.target / unit, rows, near.excess / unit, *speeds, unit)
 
-    def brought_near(self) -> Program:
+    def _brought_near(self) -> Program:
         """Return it with no command longer than 100,000 times the top speed, if that is finite."""
-        if not math.isfinite(self.top_speed) or not self.worst() > _LARGE:
+        if self.worst <= _LARGE or not math.isfinite(self.top_speed):
             return self
         limit = _FAR * self.top_speed
         x, y = self.target.reshape(-1, 2).T
         shorter = np.repeat(limit / np.maximum(np.hypot(x, y), limit), 2)
-        target = self.target * shorter
-        return self._replace(target=target, excess=self.rows.excess(target))
+        return Program.of(self.target * shorter, self.rows, self.top_speed)
 
     def is_out_of_reach(self) -> bool:
         """Whether some row asks for more than robots at top speed can do, and cannot hold.

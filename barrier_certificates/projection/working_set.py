@@ -63,6 +63,8 @@ class WorkingSet:
             )
             info.solver = "active set"
         if point is None:
+            if program.is_out_of_reach():
+                return None
             working = excess > TOLERANCE
             working[warm] = True
             point = self.solve(target, rows, working, info)

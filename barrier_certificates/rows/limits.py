@@ -81,7 +81,7 @@ class LimitRows:
         return f"robot {row % number}: {self.names[row // number]}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class VelocityPolygon:
     """Velocities v with n·v ≤ b for every side: unit normals (2, K), bounds (K,) in m/s, names (K).
 

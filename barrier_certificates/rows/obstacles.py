@@ -19,7 +19,7 @@ from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.certificate_errors import ParameterError
 from barrier_certificates.rows.disturbance import WheelDisturbance
 from barrier_certificates.rows.pairs import COINCIDENT
-from barrier_certificates.rows.row_family import NOTHING_NEAR, Barrier, Scene, with_world
+from barrier_certificates.rows.row_family import Barrier, Scene, with_world
 
 Point = tuple[float, float]
 
@@ -161,8 +161,6 @@ class ObstacleRows:
 
     def update(self, scene: Scene, coefficient: FloatArray, bound: FloatArray) -> Barrier:
         """Write the rows for the present positions."""
-        if not self.names:
-            return NOTHING_NEAR
         offset, square = self._offsets(scene)
         if square.min() < COINCIDENT**2:
             square = self._leave(offset, square)

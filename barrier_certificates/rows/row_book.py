@@ -16,13 +16,13 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
+from barrier_certificates import ties
 from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.rows.pairs import PairRows
 from barrier_certificates.rows.row_family import NOTHING_NEAR, WORLD, Barrier, Family, Scene
 from barrier_certificates.rows.row_set import Rows
 
 _DENSE_UP_TO = 20_000  # entries; beyond, a dense matrix besides costs more than it saves
-_TIE = 1e-12  # m; of families equally near, the first is reported
 
 
 class Margin(NamedTuple):
@@ -104,16 +104,19 @@ class RowBook:
         found: list[Margin] = []
 
         def collect(label: Callable[[int], str], h: FloatArray, clearance: FloatArray) -> None:
-            for row in np.flatnonzero(clearance <= within):
+            for row in np.flatnonzero(ties.within(clearance, within)):
                 found.append(Margin(label(int(row)), float(h[row]), float(clearance[row])))
 
         for family in self.families:
             collect(partial(family.label, number), *family.measure(scene))
         if self.pairs is not None and number > 1:
             tree = cKDTree(scene.positions.T)
-            pairs = tree.query_pairs(self.pairs.radius + within, output_type="ndarray").T
+            # The tree rounds otherwise than `measure`, which decides, and has an order of its own.
+            reach = self.pairs.radius + within + 2 * ties.TIE
+            pairs = tree.query_pairs(reach, output_type="ndarray").T
+            pairs = pairs[:, np.lexsort(pairs[::-1])]
             collect(_labeller(str, 0, pairs), *self.pairs.measure(scene, pairs))
-        return sorted(found, key=lambda margin: margin.clearance)
+        return sorted(found, key=lambda margin: ties.rank(margin.clearance))
 
     def _lay_out(self, number: int) -> None:
         """Allocate for this number of robots, and write what does not change."""
@@ -136,7 +139,8 @@ class RowBook:
             weight[start:stop] = family.weight
             section = (coefficient[:, start:stop], bound[start:stop])
             family.prepare(number, *section)
-            self._sections.append((family, start, *section))
+            if stop > start:
+                self._sections.append((family, start, *section))
             start = stop
         if self.pairs is not None:
             weight[start:] = self.pairs.weight
@@ -187,8 +191,8 @@ class RowBook:
 
 def _nearer(nearest: Barrier, found: Barrier, start: int) -> Barrier:
     """Return which barrier has less clearance; the rows of the one found begin at ``start``."""
-    if found.clearance < nearest.clearance - _TIE:
-        return found._replace(row=start + found.row)
+    if ties.short_of(found.clearance, nearest.clearance):  # of equally near, the first is told
+        return Barrier(found.h, found.clearance, start + found.row)
     return nearest
 
 

@@ -39,6 +39,7 @@ class Rows:
 
     __slots__ = (
         "_flat",
+        "_matrix",
         "_padded",
         "_place",
         "bound",
@@ -80,6 +81,7 @@ class Rows:
         """
         width = self.size + 1
         self._flat = np.zeros(len(self) * width)
+        self._matrix = self._flat.reshape(-1, width)[:, : self.size]
         self._place = self.index + np.arange(0, self._flat.shape[0], width)
         self.refresh()
 
@@ -93,7 +95,7 @@ class Rows:
         """Return how far each row is broken at ``x``, (m,) in m/s; negative where it holds."""
         total: FloatArray
         if self._flat is not None:
-            total = self._flat.reshape(-1, self.size + 1)[:, : self.size] @ x
+            total = self._matrix @ x
             total -= self.bound
             return total
         self._padded[:-1] = x
@@ -146,7 +148,7 @@ class Rows:
             self.key,
         )
         if self._flat is not None:
-            rows._flat, rows._place = self._flat, self._place
+            rows._flat, rows._matrix, rows._place = self._flat, self._matrix, self._place
         return rows
 
     def softened(self) -> Rows:

@@ -11,6 +11,7 @@ from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.certificate_errors import ParameterError
 from barrier_certificates.rows.disturbance import WheelDisturbance
 from barrier_certificates.rows.row_family import Barrier, Scene, with_world
+from barrier_certificates.ties import TIE
 
 
 class WallRows:
@@ -118,14 +119,16 @@ def polygon(corners: Any) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
         raise ParameterError(
             f"corners have shape {points.shape}; expected (2, W) with three corners or more"
         )
-    if points.shape[1] > 3 and np.array_equal(points[:, 0], points[:, -1]):
+    if points.shape[1] > 3 and np.abs(points[:, 0] - points[:, -1]).max() <= TIE:
         points = points[:, :-1]
     edges = np.roll(points, -1, axis=1) - points
     following = np.roll(edges, -1, axis=1)
-    turns = edges[0] * following[1] - edges[1] * following[0]
+    turns = np.arctan2(
+        edges[0] * following[1] - edges[1] * following[0], (edges * following).sum(axis=0)
+    )
     # All corners turn one way, and once around only: a star turns one way too, but twice around.
-    angle = np.arctan2(turns, (edges * following).sum(axis=0)).sum()
-    if not (np.all(turns > 0) or np.all(turns < 0)) or abs(angle) > 2.0 * np.pi + 1e-6:
+    one_way = np.all(turns > TIE) or np.all(turns < -TIE)
+    if not one_way or abs(turns.sum()) > 2.0 * np.pi + 1e-6:
         raise ParameterError(
             "corners are not those of a convex polygon in order; take a convex arena and put "
             "Segment obstacles where a wall points inwards"

@@ -154,9 +154,10 @@ def check(name: str) -> None:
 
 @cache
 def installed(name: str) -> bool:
-    """Whether a solver's library can be imported."""
+    """Whether a solver's library can be imported, and its module was not left out of an upload."""
     try:
-        return find_spec(_SOLVERS[name].needs) is not None
+        parts = (_SOLVERS[name].needs, f"{__name__}.solve_{name}")
+        return all(find_spec(part) is not None for part in parts)
     except ImportError:
         return False
 

@@ -26,7 +26,10 @@ def run(
         ),
     ] = "published",
     seed: Annotated[
-        int | None, typer.Option(help="Seed of Python's and numpy's global generators.")
+        int | None,
+        typer.Option(
+            help="Seed of Python's and numpy's global generators: on one machine, the same bytes."
+        ),
     ] = None,
     realism: Annotated[
         str, typer.Option(help="Imperfections: ideal, gritsbot_x, harsh, or a file profile.toml.")
@@ -50,7 +53,8 @@ def run(
     """Run a Robotarium script of either generation, unmodified, and keep its pose log.
 
     The exit code is the script's own: 0 when it finished, 1 after an exception, 124 after the
-    timeout, 130 after Ctrl-C.
+    timeout, 130 after Ctrl-C; 3 when all that was left waited for ever, 4 when it made a
+    Robotarium and never stepped it.
 
     [bold]Examples[/bold]
 
@@ -58,12 +62,10 @@ def run(
 
         posflock run --seed 1 --timeout 60 --snapshot 0,end -o results formation.py --robots 7
     """
-    import contextlib
-    import sys
-
     from posflock_robotarium.recording import open_pose_log
+    from rps_compat.process import run_and_tell
     from rps_compat.profiles import load_profile
-    from rps_compat.runner import RunSettings, run_script, snapshot_times, summary
+    from rps_compat.run_settings import RunSettings, snapshot_times
 
     settings = RunSettings(
         api=None if api == 0 else (1 if api == 1 else 2),
@@ -79,11 +81,8 @@ def run(
         recorder=open_pose_log,
         tell=lambda note: typer.echo(f"{script}: {note}", err=True),
     )
-    # With --json the report alone is on stdout, for programs; the script talks on stderr.
-    with contextlib.redirect_stdout(sys.stderr) if as_json else contextlib.nullcontext():
-        result = run_script(script, context.args, settings)
-    typer.echo(result.as_json() if as_json else summary(result))
-    raise typer.Exit(result.exit_code)
+    code = run_and_tell(script, context.args, settings, as_json)
+    raise typer.Exit(code)
 
 
 def lint(
@@ -117,23 +116,25 @@ def lint(
     if to == 1:
         raise ParameterError("--to 1: scripts are rewritten for generation 2 only")
     source, findings = lint_script(script)
+    needed = any(finding.needed for finding in findings)
     if as_json:
         typer.echo(json.dumps([asdict(finding) for finding in findings], indent=1))
     else:
         for finding in findings:
-            left = "" if finding.edits or finding.kind == "default" or not to else "  [by hand]"
-            typer.echo(f"{script}:{finding.line}: {finding.message}{left}", err=bool(to))
-        if not findings:
+            left = "  [by hand]" if to and finding.by_hand else ""
+            name = script.with_name(finding.file) if finding.file else script
+            typer.echo(f"{name}:{finding.line}: {finding.message}{left}", err=bool(to))
+        if not needed:
             clean = "nothing to change for generation 2, numpy 2.2 and Python 3.10"
             typer.echo(f"{script}: {clean}", err=bool(to))
     if to:
         new = rewritten(source, findings)
         if out is None:
-            typer.echo(new.decode(), nl=False)
+            typer.echo(new, nl=False)
         else:
             try:
                 out.parent.mkdir(parents=True, exist_ok=True)
                 out.write_bytes(new)
             except OSError as error:
                 raise OutputError(f"cannot write {out}: {error.strerror or error}") from error
-    raise typer.Exit(1 if findings else 0)
+    raise typer.Exit(1 if needed else 0)

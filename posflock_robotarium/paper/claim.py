@@ -15,6 +15,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from barrier_certificates import ties
 from posflock_robotarium.paper.evidence import Evidence
 
 Verdict = Literal["holds", "holds weakly", "does not hold"]
@@ -62,9 +63,9 @@ class Claim:
     def _verdict(self, value: float) -> Verdict:
         # A number that could not be measured (NaN) compares as false: nothing holds.
         sign = 1.0 if self.sense == "at least" else -1.0
-        if sign * value >= sign * self.holds:
+        if ties.reached(sign * value, sign * self.holds):
             return "holds"
-        return "holds weakly" if sign * value >= sign * self.weakly else "does not hold"
+        return "holds weakly" if ties.reached(sign * value, sign * self.weakly) else "does not hold"
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from barrier_certificates import ties
 from posflock_robotarium.errors import ParameterError
 from posflock_robotarium.freespace import FreeSpace, Model, Recording, simulate_batch
 from posflock_robotarium.law import displacements, neighbours, phi
@@ -282,7 +283,7 @@ def _run_paper(scenario: FreeSpace, seeds: Sequence[int]) -> tuple[Measures, Rec
 
 def _imprint_pull(scenario: FreeSpace, recording: Recording, time: float) -> Floats:
     """Return how hard the imprint pulls, the mean of ‖φ_i·Σ_j p_ij(0)‖, m/s², shape (B,)."""
-    law, at = scenario.law, int(np.argmin(np.abs(recording.times - time)))
+    law, at = scenario.law, ties.first_smallest(np.abs(recording.times - time))
     adjacency = neighbours(recording.positions[:, at], law.radius)
     threshold = scenario.model is not Model.POSITION_NO_THRESHOLD
     gain = phi(time, adjacency.sum(axis=-1), law.persistence if threshold else None)

@@ -13,6 +13,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from barrier_certificates import ties
 from posflock_robotarium.freespace import FreeSpace, Model, euler_step, simulate
 from posflock_robotarium.law import (
     PAPER_SIMULATION,
@@ -58,7 +59,7 @@ def median_gain(evidence: Evidence) -> float:
 def distance_fluctuation(evidence: Evidence) -> float:
     """Median over seeds of the relative deviation of the nearest-neighbour distance, t > 20 s."""
     measures = evidence.measures[P]
-    distance = measures.nearest_neighbour[:, measures.times >= 20.0]
+    distance = measures.nearest_neighbour[:, ties.reached(measures.times, 20.0)]
     return float(np.median(distance.std(axis=-1) / distance.mean(axis=-1)))
 
 
@@ -71,7 +72,7 @@ def peak_time(evidence: Evidence) -> float:
 
 def early_difference(evidence: Evidence) -> float:
     """Largest difference of γ between the two P-based models until t = 1/k."""
-    early = evidence.measures[P].times <= 1.0 / PAPER_SIMULATION.persistence
+    early = ties.within(evidence.measures[P].times, 1.0 / PAPER_SIMULATION.persistence)
     with_, without = (evidence.measures[model].gamma[:, early] for model in (P, N))
     return float(np.max(np.abs(with_ - without)))
 
@@ -79,7 +80,7 @@ def early_difference(evidence: Evidence) -> float:
 def transient_variance_change(evidence: Evidence) -> float:
     """Median growth of the variance of neighbour distances until 10 s, m²."""
     measures = evidence.measures[P]
-    settled = int(np.argmin(np.abs(measures.times - 10.0)))
+    settled = ties.first_smallest(np.abs(measures.times - 10.0))
     variance = measures.distance_variance
     return float(np.median(variance[:, settled] - variance[:, 0]))
 
@@ -87,7 +88,7 @@ def transient_variance_change(evidence: Evidence) -> float:
 def transient_change_variance(evidence: Evidence) -> float:
     """Median variance of the change of neighbour distances at 10 s, m²."""
     measures = evidence.measures[P]
-    settled = int(np.argmin(np.abs(measures.times - 10.0)))
+    settled = ties.first_smallest(np.abs(measures.times - 10.0))
     return float(np.median(measures.change_variance[:, settled]))
 
 
@@ -128,7 +129,7 @@ def _passes_through(model: Model, distance: float, delta: float, speed: float) -
             else position_based_input(positions, imprint, step * time_step, law)
         )
         positions, velocities = euler_step(positions, velocities, inputs, time_step, law)
-        if positions[0, 0] >= positions[0, 1]:
+        if ties.reached(positions[0, 0], positions[0, 1]):
             return True
     return False
 

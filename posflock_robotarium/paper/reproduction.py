@@ -71,7 +71,7 @@ def reproduce(
     Returns
     -------
     Reproduction
-        The same bytes for the same seeds, except for the versions of libraries.
+        On one machine the same bytes for the same seeds, except for the versions of libraries.
 
     Raises
     ------

@@ -196,9 +196,9 @@ QUANTITIES: tuple[Quantity, ...] = (
     ),
     Quantity(
         "moved",
-        "velocity moved by the certificate",
+        "intervention of the certificate",
         "m/s",
-        "How far the safety certificate moved a robot's velocity, at most.",
+        "How far the safety certificate changed a robot's velocity, at most.",
         "largest",
     ),
     Quantity(

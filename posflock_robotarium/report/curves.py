@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from barrier_certificates import ties
 from posflock_robotarium import metrics
 from posflock_robotarium.law import neighbours
 from posflock_robotarium.report.estimators import Motion
@@ -135,9 +136,9 @@ def _note_collisions(
 ) -> None:
     """Hand the samples at which some pair is too close to the testbed's own book-keeping."""
     i, j = np.triu_indices(points.shape[2], 1)
-    for row in np.flatnonzero(closest < diameter).tolist():
+    for row in np.flatnonzero(ties.within(closest, diameter)).tolist():
         distances = np.hypot(*(points[row, :, i] - points[row, :, j]).T)
-        close = distances < diameter
+        close = ties.within(distances, diameter)
         violations.close(first + row, i[close], j[close], distances[close])
 
 
@@ -145,7 +146,7 @@ def _note_boundary(
     violations: Violations, positions: Floats, walls: Floats, stretch: slice, robot: RobotModel
 ) -> None:
     left, right, bottom, top = robot.boundaries
-    for row in np.flatnonzero(walls[stretch] < 0).tolist():
+    for row in np.flatnonzero(ties.short_of(walls[stretch], 0.0)).tolist():
         x, y = positions[row]
         beyond = np.maximum.reduce([left - x, x - right, bottom - y, y - top])
         violations.outside(stretch.start + row, beyond)

@@ -23,6 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from barrier_certificates import ties
 from posflock_robotarium.errors import ParameterError
 from posflock_robotarium.metrics import (
     heading_vectors,
@@ -111,10 +112,13 @@ def estimate(recording: Recording, estimator: str, window: float = WINDOW) -> Mo
 
 
 def window_points(step: float, window: float) -> int:
-    """Return the odd number of samples (at least 3) nearest to a window in seconds."""
+    """Return the odd number of samples (at least 3) nearest to a window in seconds.
+
+    Of two as near, as for a window of an even number of steps, it is the smaller one.
+    """
     if not (np.isfinite(window) and window > 0):
         raise ParameterError(f"window is {window} s; expected a positive number of seconds")
-    return max(3, 2 * round((window / step - 1) / 2) + 1)
+    return max(3, 1 - 2 * ties.nearest_whole((1 - window / step) / 2))
 
 
 def _by_segment(recording: Recording, points: int, estimator: _SegmentEstimator) -> Floats:

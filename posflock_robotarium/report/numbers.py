@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from barrier_certificates import ties
 from posflock_robotarium.poselog import INTERVENED
 from posflock_robotarium.report.curves import Curves
 from posflock_robotarium.report.estimators import expected_bias, tracking_noise
@@ -129,7 +130,7 @@ def _alignment(s: Situation, add: _Add) -> None:
             f"Mean share of robots that γ does not count {since}.",
         )
     for short in ("motion", "headings"):
-        aligned = np.nan_to_num(values[f"gamma_{short}"], nan=-2.0) >= s.threshold
+        aligned = ties.reached(np.nan_to_num(values[f"gamma_{short}"], nan=-2.0), s.threshold)
         reached = np.flatnonzero(aligned)
         add(
             f"time_to_alignment_{short}",
@@ -200,7 +201,8 @@ def _motion(s: Situation, add: _Add) -> None:
         "m/s",
         f"Mean over time {since}.",
     )
-    standing = (speeds <= s.slowest).mean(axis=1)
+    stands = ties.within(speeds, s.slowest)
+    standing = stands.mean(axis=1)
     add(
         "standing",
         "standing robots",
@@ -208,15 +210,15 @@ def _motion(s: Situation, add: _Add) -> None:
         "share",
         f"Share of robots and time {since} at no more than {s.slowest:g} m/s.",
     )
-    stood = np.array([_mean(row, weights[s.settled]) for row in (speeds <= s.slowest)[s.settled].T])
+    stood = np.array([_mean(row, weights[s.settled]) for row in stands[s.settled].T])
     add(
         "robots_standing",
         "robots that stood",
-        float((stood > 0.5).sum()),
+        float(ties.beyond(stood, 0.5).sum()),
         "",
         f"Robots that moved at no more than {s.slowest:g} m/s for over half the time {since}.",
     )
-    final = r.t >= r.t[-1] - LAST_SHARE * (r.t[-1] - r.t[0])
+    final = ties.reached(r.t, r.t[-1] - LAST_SHARE * (r.t[-1] - r.t[0]))
     add(
         "standing_end",
         "standing robots at the end",
@@ -243,9 +245,8 @@ def _motion(s: Situation, add: _Add) -> None:
             f"{STALL_COMMAND:g} m/s or more.",
         )
         add("stall_time", "time stalled", seconds, "s", "Sum over robots.")
-        excess = np.maximum(values["fastest_wheel"] - s.robot.max_wheel_velocity, 0.0)
-        # What rounding alone puts over the limit is no command error.
-        excess[excess <= 1e-9 * s.robot.max_wheel_velocity] = 0.0
+        excess = values["fastest_wheel"] - s.robot.max_wheel_velocity
+        excess[~ties.beyond(excess, 0.0)] = 0.0
         add(
             "wheel_excess",
             "largest excess over the wheel limit",
@@ -369,7 +370,7 @@ def _certificate(s: Situation, add: _Add) -> None:
     r = s.recording
     if r.moved is not None and np.isfinite(r.moved).any():
         moved = r.moved[np.isfinite(r.moved)]
-        intervened = moved > INTERVENED
+        intervened = ties.beyond(moved, INTERVENED)
         add(
             "interventions",
             "steps in which the certificate intervened",
@@ -464,8 +465,8 @@ def _weights(r: Recording) -> Floats:
     steps = np.diff(r.t)
     if np.abs(steps - steps.mean()).max() <= 1e-6 * steps.mean():
         return np.ones(len(r.t))
-    steps = np.where(steps > 3 * np.median(steps), np.median(steps), steps)
-    return np.append(steps, np.median(steps))
+    steps[r.gaps - 1] = r.step
+    return np.append(steps, r.step)
 
 
 def _mean(values: Floats, weights: Floats) -> float:
@@ -488,7 +489,8 @@ def _circular_deviation(angles: Floats) -> float:
 def _stalls(r: Recording, speeds: Floats, slowest: float) -> tuple[int, float]:
     """Count stalls and their seconds, robot by robot."""
     assert r.command is not None
-    stuck = (speeds <= slowest) & (np.abs(r.command[:, 0]) >= STALL_COMMAND)
+    driven = ties.reached(np.abs(r.command[:, 0]), STALL_COMMAND)
+    stuck = ties.within(speeds, slowest) & driven
     count, seconds = 0, 0.0
     for column in stuck.T:
         edges = np.diff(np.concatenate([[0], column.astype(np.int8), [0]]))
@@ -496,7 +498,7 @@ def _stalls(r: Recording, speeds: Floats, slowest: float) -> tuple[int, float]:
             np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1, strict=True
         ):
             length = float(r.t[last] - r.t[first])
-            if length > STALL_SECONDS:
+            if ties.beyond(length, STALL_SECONDS):
                 count += 1
                 seconds += length
     return count, seconds

@@ -13,6 +13,7 @@ from typing import Literal
 
 import numpy as np
 
+from barrier_certificates import ties
 from posflock_robotarium.metrics import SMOOTHING_POINTS
 from posflock_robotarium.report.numbers import Number
 from posflock_robotarium.report.readers import Recording
@@ -107,7 +108,7 @@ def _aligned(v: Mapping[str, float], threshold: float, slowest: float) -> Verdic
     if v["samples"] < FEWEST_SAMPLES:
         because = f"{int(v['samples'])} poses over time do not tell motion from tracking noise."
         return Verdict(question, "unknown", "Too short to tell.", because, "too short")
-    if v["standing"] > MOSTLY or v["standing_end"] > MOSTLY:
+    if ties.beyond(v["standing"], MOSTLY) or ties.beyond(v["standing_end"], MOSTLY):
         return _parked(v, threshold, slowest)
     because = f"{_both(motion, headings)}. {_when(v, threshold)}"
     if v["left_out_motion"] > 0.005:
@@ -115,19 +116,22 @@ def _aligned(v: Mapping[str, float], threshold: float, slowest: float) -> Verdic
             f" γ from motion leaves out {_pc(v['left_out_motion'])} of the robots as too slow to "
             "have a direction, or without a neighbour that moves."
         )
-    if motion >= threshold and headings >= threshold:
+    moves_aligned = ties.reached(motion, threshold)
+    points_aligned = ties.reached(headings, threshold)
+    if moves_aligned and points_aligned:
         if stood := int(v["robots_standing"]):
             because += f" {stood} of {v['robots']:g} robots stood over half the time."
-        if stood or v["standing"] > SOME or v["left_out_motion"] > 0.25:
+        many_stand = stood or ties.beyond(v["standing"], SOME)
+        if many_stand or ties.beyond(v["left_out_motion"], 0.25):
             return Verdict(question, "caution", "Those that moved did.", because, "partly aligned")
-        if v["steadiness_motion"] < 0.75:
+        if ties.short_of(v["steadiness_motion"], 0.75):
             answer = "On average, not steadily."
             return Verdict(question, "caution", answer, because, "unsteadily aligned")
         return Verdict(question, "good", "Yes.", because, "aligned")
-    if headings >= threshold:
+    if points_aligned:
         answer = "No: headings are parallel, motion is not."
         return Verdict(question, "bad", answer, because, "not aligned in motion")
-    if motion >= threshold:
+    if moves_aligned:
         answer = "Motion did, headings did not: some drive backwards, or headings are wrong."
         return Verdict(question, "caution", answer, because, "aligned in motion only")
     return Verdict(question, "bad", "No.", because, "not aligned")
@@ -136,9 +140,9 @@ def _aligned(v: Mapping[str, float], threshold: float, slowest: float) -> Verdic
 def _parked(v: Mapping[str, float], threshold: float, slowest: float) -> Verdict:
     """Say that the flock stands, whatever its headings do."""
     motion, headings, standing = v["gamma_motion"], v["gamma_headings"], v["standing"]
-    if standing > 0.95:
+    if ties.beyond(standing, 0.95):
         answer, short = "No: nothing moves.", "parked"
-    elif standing > MOSTLY:
+    elif ties.beyond(standing, MOSTLY):
         answer, short = "No: the flock stands most of the time.", "mostly parked"
     else:
         answer, short = "No: it came to a stop.", "came to a stop"
@@ -149,7 +153,7 @@ def _parked(v: Mapping[str, float], threshold: float, slowest: float) -> Verdict
     because += (
         f"Headings are parallel (γ from headings {_g(headings)}), as those of parked robots may "
         "be; that is not flocking. "
-        if headings >= threshold
+        if ties.reached(headings, threshold)
         else f"γ from headings is {_g(headings)}. "
     )
     because += (
@@ -189,9 +193,9 @@ def _together(v: Mapping[str, float]) -> Verdict:
     because = (
         f"One group for {_pc(share)} of the time, up to {int(v['components'])} groups. {radius}"
     )
-    if share >= 0.9:
+    if ties.reached(share, 0.9):
         return Verdict(question, "caution", "Nearly always.", because, "mostly together")
-    answer = "No." if share < MOSTLY else "Not always."
+    answer = "No." if ties.short_of(share, MOSTLY) else "Not always."
     return Verdict(question, "bad", answer, because, "split")
 
 
@@ -203,8 +207,8 @@ def _safe(v: Mapping[str, float]) -> Verdict:
     )
     nearest = v["smallest_wall_distance"]
     because = (
-        f"Centres came no nearer to a wall than {nearest:.3f} m."
-        if nearest >= 0
+        f"Centres came no nearer to a wall than {max(nearest, 0.0):.3f} m."
+        if ties.reached(nearest, 0.0)
         else f"A centre was {-nearest:.3f} m outside the arena."
     )
     if "smallest_distance" in v:
@@ -212,7 +216,7 @@ def _safe(v: Mapping[str, float]) -> Verdict:
             f"Centres never closer than {v['smallest_distance']:.3f} m, collision points "
             f"{v['smallest_collision_distance']:.3f} m. {because}"
         )
-    if v.get("clearance_first", 0.0) < 0.0:
+    if ties.short_of(v.get("clearance_first", 0.0), 0.0):
         because += (
             f" It started {1e3 * -v['clearance_first']:.0f} mm closer than the certificate keeps: "
             "until that was made good, it guaranteed nothing."
@@ -307,7 +311,7 @@ def _sure(v: Mapping[str, float]) -> Verdict:
         f"motion is under-read by {_bias(bias)}; raw differences read "
         f"{_g(v['gamma_differences'])}.{gaps}"
     )
-    if v["left_out_motion"] > 0.25:
+    if ties.beyond(v["left_out_motion"], 0.25):
         answer = "γ from motion speaks for few robots."
         return Verdict(
             question, "caution", answer, f"It leaves out {_pc(v['left_out_motion'])}. {because}"
@@ -333,7 +337,7 @@ def _complete(recording: Recording, v: Mapping[str, float]) -> Iterator[Verdict]
         reason = ended.get("reason") if isinstance(ended, dict) else ""
         words = "it was killed, or still goes on" if how == "running" else f"{how}"
         yield Verdict(question, "caution", f"No: {words}.", f"{length}. {reason or ''}".strip())
-    elif known and v["duration"] < 0.95 * float(planned or 0.0):
+    elif known and ties.short_of(v["duration"], 0.95 * float(planned or 0.0)):
         yield Verdict(question, "caution", "Shorter than planned.", f"{length}.")
 
 

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from barrier_certificates.ties import TIE
 from posflock_robotarium.drawing import BLUE, GREY
 from posflock_robotarium.errors import OutputError, ParameterError
 from posflock_robotarium.figures import ROBOT_LENGTH, ROBOT_WIDTH
@@ -85,7 +86,7 @@ def write_video(
     rate = RATE[kind] if fps is None else fps
     if not (np.isfinite(rate) and 0 < rate <= 100 and np.isfinite(speed) and speed > 0):
         raise ParameterError(f"{rate} frames a second at speed {speed}; expected both above 0")
-    times = np.arange(recording.t[0], recording.t[-1] + 1e-9, speed / rate)
+    times = np.arange(recording.t[0], recording.t[-1] + TIE, speed / rate)
     if len(times) > LARGEST_FILM:
         raise ParameterError(f"{len(times)} frames; raise --speed or lower --fps")
     drawn = _frames(recording, times, robot, SIZE[kind])
@@ -137,7 +138,7 @@ def _frames(
         [ROBOT_LENGTH / 2],
         [ROBOT_WIDTH / 2],
     ]
-    rows = np.clip(np.searchsorted(recording.t, times, side="right") - 1, 0, None)
+    rows = np.clip(np.searchsorted(recording.t, times + TIE, side="right") - 1, 0, None)
     for time, row in zip(times, rows, strict=True):
         x, y, heading = recording.poses[row]
         turn = np.array([[np.cos(heading), -np.sin(heading)], [np.sin(heading), np.cos(heading)]])

@@ -1,8 +1,8 @@
 """What a study found: tidy tables, and medians with confidence intervals.
 
-Tables hold one run a row, sorted by combination and replication, and leave out what
-differs from machine to machine.  The same study gives the same bytes, wherever and in
-whatever order its runs were computed.
+Tables hold one run a row, sorted by combination and replication, and leave out when and
+how fast it was computed.  The same study gives the same bytes, in whatever order its runs
+were computed, on machines whose processors and libraries are alike.
 """
 
 from __future__ import annotations

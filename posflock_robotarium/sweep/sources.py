@@ -19,8 +19,9 @@ from types import CodeType
 from typing import Any
 
 from posflock_robotarium.errors import PosflockError
-from posflock_robotarium.import_graph import imports, parse
+from posflock_robotarium.import_graph import imports
 from posflock_robotarium.sweep.experiments import Experiment
+from rps_compat.scripts.source import read_script
 
 _OURS = ("posflock_robotarium", "rps_compat", "barrier_certificates")
 #: Where these packages lie: beside one another.
@@ -104,7 +105,7 @@ def sources(*roots: Path) -> dict[str, Path]:
             continue
         found[name] = path
         package = name if path.name == "__init__.py" else name.rpartition(".")[0]
-        for statement in imports(parse(path), package):
+        for statement in imports(read_script(path).tree, package):
             parts = statement.module.split(".")
             # Packages on the way run too.
             asked = [".".join(parts[: k + 1]) for k in range(len(parts))]

@@ -14,13 +14,14 @@ from typing import TYPE_CHECKING, Any
 
 from posflock_robotarium import testbed
 from posflock_robotarium.errors import ParameterError
-from posflock_robotarium.verify import generations, judge, static
+from posflock_robotarium.verify import judge, static
 from posflock_robotarium.verify.findings import (
     Finding,
     Verdict,
     verdict_of,
     wilson_interval,
 )
+from rps_compat.scripts.evidence import evidence_of
 
 if TYPE_CHECKING:
     from posflock_robotarium.verify.trials import Limits, Nursery, Ran
@@ -197,7 +198,7 @@ def verify(
         return _report(script, known, generation, chosen.name, declared=declared)
     if any(finding.code == "generation" for finding in known):
         # Run it under the generation it was written for: there may be more to tell.
-        generation = generations.generation_of(source.tree) or generation
+        generation = evidence_of(source.uses).generation
     with running.TrialRoom(source, generation, limits or running.Limits(), nursery) as room:
         found, ideal, ran = _run(room, chosen, trials, declared, seed, known, tell)
     # Runs name the file of every line; a finding does only where that is not the script.
@@ -319,7 +320,8 @@ def ablate(
     if source is None:
         raise ParameterError(f"{script}: is not valid Python; `posflock verify` says where")
     cases = [(name, chosen.only(name)) for name in effects or chosen.effects] + [("all", chosen)]
-    generation = generations.generation_of(source.tree) or generation
+    evidence = evidence_of(source.uses)
+    generation = evidence.generation if evidence.certain else generation
     out = []
     with running.TrialRoom(source, generation, limits or running.Limits()) as room:
         plans = [

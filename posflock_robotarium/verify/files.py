@@ -128,7 +128,7 @@ def path_written(source: Source, call: ast.Call) -> str | None:
     """Return the path that a call writes to, None where it writes none or the source hides it."""
     if not writes(source, call):
         return None
-    of_path = _opens_path(source, call) or source.called(call) == ""
+    of_path = _opens_path(source, call) or not _is_of_a_name(call.func)
     method = call.func.attr if isinstance(call.func, ast.Attribute) else ""
     if isinstance(call.func, ast.Attribute) and (
         of_path or method in ("write_text", "write_bytes")
@@ -140,6 +140,13 @@ def path_written(source: Source, call: ast.Call) -> str | None:
         return None
     ending = {"save": ".npy", "savez": ".npz", "savez_compressed": ".npz"}.get(method, "")
     return str(path) if str(path).endswith(ending) else f"{path}{ending}"
+
+
+def _is_of_a_name(function: ast.expr) -> bool:
+    """Whether what is called begins with a name, as ``fig.savefig`` does."""
+    while isinstance(function, ast.Attribute):
+        function = function.value
+    return isinstance(function, ast.Name)
 
 
 def _makes_memmap(source: Source, call: ast.Call) -> bool:

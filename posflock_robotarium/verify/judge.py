@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+from barrier_certificates import ties
 from posflock_robotarium import testbed
 from posflock_robotarium.verify.findings import (
     Finding,
@@ -20,6 +21,8 @@ from posflock_robotarium.verify.findings import (
 )
 from posflock_robotarium.verify.trial import Outcome
 from posflock_robotarium.verify.trials import Ran
+from rps_compat.scripts import libraries
+from rps_compat.scripts.deaths import REHEARSE, newer_library
 
 #: Share of the steps that may take longer than 33 ms.
 _LATE = 0.1
@@ -155,8 +158,8 @@ def _ending(
     if "WrongGenerationError" in kinds:
         return Finding("generation", verdict, what, "use the name it gives", **settings)
     module = error.get("module") or "."
-    if testbed.is_available(module):  # that is, only this machine lacks it
-        distribution = testbed.IMPORT_NAMES.get(module)
+    if libraries.is_available(module):  # that is, only this machine lacks it
+        distribution = libraries.IMPORT_NAMES.get(module)
         return Finding(
             "internal",
             Verdict.RISK,
@@ -177,6 +180,9 @@ def _ending(
             f"use one of {' '.join(testbed.ENDINGS)}" if ending else "put it beside the script",
             **settings,
         )
+    newer = newer_library(str(error.get("type")), str(error.get("message")))
+    if newer:  # that is, only this machine refuses it
+        return Finding("internal", Verdict.RISK, f"could not be run: {newer}", REHEARSE, **settings)
     if outcome.ended == "died":
         return Finding("crash", verdict, what, "look at the end of its output", **settings)
     return Finding("crash", verdict, f"ends with {what}", "mend this line", **settings)
@@ -321,7 +327,8 @@ def _actuator(ideal: Outcome) -> Iterator[Finding]:
 def _start(ideal: Outcome, drive: Outcome | None, known: Sequence[Finding]) -> Iterator[Finding]:
     gap = ideal.initial_gap
     colliding = _starts_in_collision(ideal)
-    if gap and gap["metres"] < testbed.SPACING:
+    close = bool(gap) and ties.short_of(gap["metres"], testbed.SPACING)
+    if close:
         yield Finding(
             "close-start",
             Verdict.FAIL if colliding else Verdict.RISK,
@@ -333,7 +340,8 @@ def _start(ideal: Outcome, drive: Outcome | None, known: Sequence[Finding]) -> I
             figure=gap["metres"],
             unit="m",
         )
-    if colliding:
+    # Whether robots get to places so close takes minutes of pushing, and hangs on its last bits.
+    if close or colliding:
         return
     if drive is not None and drive.ended == "crashed" and not is_explained(drive.error, known):
         yield Finding(
@@ -350,7 +358,7 @@ def _starts_in_collision(ideal: Outcome) -> bool:
     """Whether the initial conditions themselves are the first collision."""
     first = _first(ideal, "collision")
     gap = ideal.initial_gap.get("metres", testbed.SPACING)
-    return first is not None and first["time"] == 0.0 and gap < testbed.SPACING
+    return first is not None and first["time"] == 0.0 and ties.short_of(gap, testbed.SPACING)
 
 
 def _loop(ideal: Outcome, known: Sequence[Finding]) -> Iterator[Finding]:
@@ -381,7 +389,7 @@ def _loop(ideal: Outcome, known: Sequence[Finding]) -> Iterator[Finding]:
             figure=loop["max"],
             unit="s",
         )
-    elif ideal.silent.get("seconds", 0.0) >= testbed.WATCHDOG:
+    elif ties.reached(ideal.silent.get("seconds", 0.0), testbed.WATCHDOG):
         yield Finding(
             "watchdog",
             Verdict.RISK,
@@ -412,16 +420,16 @@ def _duration(ideal: Outcome, declared: float | None, counted: bool) -> Iterator
                 unit="s",
             )
         return
-    if run + most <= allowed:
+    if ties.within(run + most, allowed):
         return
-    certain = run + least > allowed
+    certain = ties.beyond(run + least, allowed)
     yield Finding(
         "duration",
         Verdict.FAIL if certain else Verdict.RISK,
         f"takes {run:.0f} s, and driving to the initial conditions before it took {least:.0f} to"
         f" {most:.0f} s (median {median:.0f}) in published runs: {run + median:.0f} s of {of}",
         f"declare {recommended_duration(run):.0f} s"
-        if declared and run + most <= testbed.MAX_DURATION
+        if declared and ties.within(run + most, testbed.MAX_DURATION)
         else "shorten it",
         time=run,
         figure=run + median,
@@ -431,7 +439,8 @@ def _duration(ideal: Outcome, declared: float | None, counted: bool) -> Iterator
 
 def recommended_duration(run: float) -> float:
     """Return the duration to declare for a run of so many seconds: the slowest drive fits."""
-    return float(min(testbed.MAX_DURATION, 10 * -(-(run + testbed.INITIAL_DRIVE[2]) // 10)))
+    tens = -ties.whole(-(run + testbed.INITIAL_DRIVE[2]) / 10)
+    return float(min(testbed.MAX_DURATION, 10 * tens))
 
 
 def _data(

@@ -11,6 +11,9 @@ from typing import Any
 
 from posflock_robotarium import import_graph
 from posflock_robotarium.verify.constants import constants_of
+from rps_compat.scripts.program import Program
+from rps_compat.scripts.source import Script
+from rps_compat.scripts.uses import Use, constructor_arguments, uses_in
 
 
 @dataclass
@@ -19,21 +22,15 @@ class Source:
 
     Attributes
     ----------
-    path : Path
-        Where it lies.
-    text : str
-        Its source.
-    tree : ast.Module
-        Parsed.
+    script : Script
+        As it was read.
     generation : int
         Of the testbed's API that it is to run on, 1 or 2.
     search : tuple of Path
         Where local modules may lie, besides its own folder.
     """
 
-    path: Path
-    text: str
-    tree: ast.Module
+    script: Script
     generation: int = 2
     search: tuple[Path, ...] = ()
     names: dict[str, Any] = field(init=False)
@@ -41,31 +38,25 @@ class Source:
     def __post_init__(self) -> None:
         self.names = constants_of(self.tree)
 
+    @property
+    def path(self) -> Path:
+        """Where it lies."""
+        return self.script.path
+
+    @property
+    def tree(self) -> ast.Module:
+        """Its syntax tree."""
+        return self.script.tree
+
     @cached_property
-    def aliases(self) -> dict[str, str]:
-        """What each imported name stands for, as a dotted path."""
-        found: dict[str, str] = {}
-        starred: set[str] = set()
-        for node in ast.walk(self.tree):
-            if isinstance(node, ast.Import):
-                for alias in node.names:
-                    top = alias.name.partition(".")[0]
-                    found[alias.asname or top] = alias.name if alias.asname else top
-            elif isinstance(node, ast.ImportFrom) and not node.level:
-                for alias in node.names:
-                    found[alias.asname or alias.name] = f"{node.module}.{alias.name}"
-                    starred |= {node.module or ""} if alias.name == "*" else set()
-        # rps's modules hand these on to whoever takes a star from them.
-        if any(module.startswith("rps.") for module in starred):
-            found.setdefault("np", "numpy")
-            found.setdefault("plt", "matplotlib.pyplot")
-            found.setdefault("time", "time")
-        if starred & {"matplotlib.pyplot", "pylab"}:
-            for name in ("show", "ginput", "waitforbuttonpress", "savefig"):
-                found.setdefault(name, f"matplotlib.pyplot.{name}")
-        if "time" in starred:
-            found.setdefault("sleep", "time.sleep")
-        return found
+    def program(self) -> Program:
+        """What its names and expressions stand for."""
+        return Program(self.script)
+
+    @cached_property
+    def uses(self) -> list[Use]:
+        """Names in it, and in the modules beside it, that not every testbed has."""
+        return uses_in(self.program)
 
     @cached_property
     def trace(self) -> import_graph.Trace:
@@ -73,15 +64,15 @@ class Source:
         return import_graph.trace(self.path, self.search)
 
     def called(self, call: ast.Call) -> str:
-        """Return the dotted path of what is called, as ``numpy.load``; empty if unknown."""
-        parts: list[str] = []
-        node: ast.expr = call.func
-        while isinstance(node, ast.Attribute):
-            parts.append(node.attr)
-            node = node.value
-        if not isinstance(node, ast.Name):
-            return ""
-        return ".".join([self.aliases.get(node.id, node.id), *reversed(parts)])
+        """Return the dotted path of what is called, as ``numpy.load``; empty if unknown.
+
+        Python's own functions go by their bare names.
+        """
+        return self.program.path_of(call.func).removeprefix("builtins.")
+
+    def constructs(self, call: ast.Call) -> bool:
+        """Whether a call is one of Robotarium's constructor."""
+        return constructor_arguments(self.program, call) is not None
 
     @cached_property
     def calls(self) -> list[ast.Call]:

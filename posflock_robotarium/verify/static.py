@@ -14,14 +14,18 @@ from pathlib import Path
 from typing import Any
 
 from posflock_robotarium import import_graph, testbed
-from posflock_robotarium.verify import generations, newer_python
 from posflock_robotarium.verify.constants import constant
 from posflock_robotarium.verify.files import check_files
 from posflock_robotarium.verify.findings import Finding, Verdict, too_many_robots
 from posflock_robotarium.verify.saving import check_saving
 from posflock_robotarium.verify.source import Source
+from rps_compat.errors import ScriptError
+from rps_compat.scripts import libraries
+from rps_compat.scripts.api import ApiName
+from rps_compat.scripts.changes import Change, Kind
+from rps_compat.scripts.source import UnreadableError, read_script
+from rps_compat.scripts.uses import OLDER_WAY, Absent, Use
 
-_OLDER_WAY = "the testbed runs Python 3.10; write it the older way"
 _FINISHING = ("debug", "call_at_scripts_end")
 
 
@@ -49,74 +53,80 @@ def check_source(
     ScriptError
         Where the file cannot be read.
     """
-    text = import_graph.read_source(script)
     try:
-        tree = ast.parse(text, filename=str(script))
-    except (SyntaxError, ValueError) as error:
+        source = Source(read_script(script), generation, search)
+    except UnreadableError as error:
         return [_unreadable(error)], None
-    source = Source(Path(script), text, tree, generation, search)
     findings = [finding for check in CHECKS for finding in check(source)]
     return sorted(findings, key=lambda finding: (finding.file, finding.line or 0)), source
 
 
-def _unreadable(error: SyntaxError | ValueError) -> Finding:
-    """Tell what is wrong with a source that this Python does not parse."""
-    if not isinstance(error, SyntaxError):  # a null byte
-        return Finding(
-            "syntax", Verdict.FAIL, f"Python cannot read it: {error}", "save it as plain text"
-        )
-    newer = newer_python.newer_than_this_python(error)
-    if newer:
-        reason = f"newer than Python 3.10: {newer}"
-        return Finding("newer-python", Verdict.FAIL, reason, _OLDER_WAY, line=error.lineno)
-    return Finding(
-        "syntax",
-        Verdict.FAIL,
-        f"Python cannot read it: {error.msg}",
-        "mend the line; `python -m py_compile` shows the place",
-        line=error.lineno,
-    )
+def _unreadable(error: UnreadableError) -> Finding:
+    """Tell why Python refuses a source."""
+    if error.newer is not None:
+        return Finding("newer-python", Verdict.FAIL, error.reason, OLDER_WAY, line=error.line)
+    advice = "mend the line; `python -m py_compile` shows the place"
+    return Finding("syntax", Verdict.FAIL, error.reason, advice, line=error.line)
 
 
-# --- Python and libraries ----------------------------------------------------------------------
+# --- Python, libraries and the API -------------------------------------------------------------
 
 
-def check_python(source: Source) -> Iterator[Finding]:
-    """Syntax and library of Python 3.10, names of numpy 2."""
-    syntax = newer_python.newer_syntax(source.text)
-    if syntax:
-        line, reason = syntax
-        yield Finding(
-            "newer-python", Verdict.FAIL, f"newer than Python 3.10: {reason}", _OLDER_WAY, line=line
-        )
-    for line, name in newer_python.newer_library(source.tree):
-        yield Finding(
-            "newer-python", Verdict.FAIL, f"{name} is newer than Python 3.10", _OLDER_WAY, line=line
-        )
-    for line, name, instead in newer_python.removed_from_numpy(source.tree):
-        yield Finding(
-            "removed-from-numpy",
-            Verdict.FAIL,
-            f"numpy.{name} is gone from numpy {testbed.LIBRARIES['numpy']}",
-            f"write {instead}",
-            line=line,
-        )
+def check_names(source: Source) -> Iterator[Finding]:
+    """Names and syntax that the testbed's Python, libraries or generation of the API has not."""
+    for use in source.uses:
+        if use.follows or use.ready or isinstance(use.entry, Absent):
+            continue  # imports of absent libraries are told of with all others
+        if not use.matters(source.generation):
+            if isinstance(use.entry, Change):  # newer versions lack it
+                yield _named(source, use, Verdict.NOTE)
+            continue
+        yield _named(source, use, Verdict.FAIL)
+
+
+def _named(source: Source, use: Use, verdict: Verdict) -> Finding:
+    what = use.what
+    if isinstance(use.entry, ApiName):
+        code, runs = "generation", f"the testbed runs generation {source.generation}"
+        what = f"{what}, and {runs}" if use.entry.generations else what
+    elif not isinstance(use.entry, Change) or use.entry.is_pythons_newer:
+        code = "newer-python"
+    elif use.entry.path.partition(".")[0] == "numpy" and use.entry.kind is Kind.GONE:
+        code = "removed-from-numpy"
+    else:
+        code = {
+            Kind.GONE: "removed-from-library",
+            Kind.NEWER: "newer-library",
+            Kind.LATER: "removed-later",
+        }[use.entry.kind]
+    file = use.module.script.path.name if use.module.name else ""
+    advice = use.remedy(source.generation)
+    return Finding(code, verdict, what, advice, line=use.line, file=file)
 
 
 def check_imports(source: Source) -> Iterator[Finding]:
     """Libraries the testbed lacks, files that are missing or must be uploaded, hidden names."""
     try:
         trace = source.trace
-    except import_graph.ScriptError as error:
+    except ScriptError as error:
         yield Finding("syntax", Verdict.FAIL, str(error), "mend the imported file")
         return
     for missing in trace.missing:
-        if missing.statement.top in testbed.NEWER_MODULES:
+        if missing.statement.top in libraries.NEWER_MODULES:
             continue  # told of as newer than Python 3.10
         yield _missing(source, missing)
+    paths = {local.name: local.path for local in reversed(trace.locals)}
     for local in trace.locals:
-        hidden = testbed.shadowed_by(local.name) if "." not in local.name else None
-        if hidden and not local.is_package:
+        hidden = libraries.shadowed_by(local.name) if "." not in local.name else None
+        if paths[local.name] != local.path:  # of two, the user's is the one that is found there
+            yield Finding(
+                "shadowed-name",
+                Verdict.FAIL,
+                f"{local.name}.py beside the script would hide posflock's own {local.name}, which"
+                f" {local.wanted_by.name} needs",
+                "rename the file beside the script",
+            )
+        elif hidden and not local.is_package:
             yield Finding(
                 "shadowed-name",
                 Verdict.FAIL,
@@ -125,9 +135,9 @@ def check_imports(source: Source) -> Iterator[Finding]:
                 line=local.line,
                 file=_file(source, local.wanted_by),
             )
-    newer = testbed.NEWER_MODULES  # this Python's own are no files of the user's
+    newer = libraries.NEWER_MODULES  # this Python's own are no files of the user's
     wanted = [local for local in trace.locals if local.name.partition(".")[0] not in newer]
-    if wanted and not any(testbed.shadowed_by(local.name) for local in wanted):
+    if wanted and not any(libraries.shadowed_by(local.name) for local in wanted):
         first = wanted[0]
         names = sorted({local.name.partition(".")[0] for local in wanted})
         yield Finding(
@@ -143,7 +153,7 @@ def check_imports(source: Source) -> Iterator[Finding]:
 def _missing(source: Source, missing: import_graph.Missing) -> Finding:
     statement = missing.statement
     place: dict[str, Any] = {"line": statement.line, "file": _file(source, missing.wanted_by)}
-    if statement.top == testbed.STAND_IN:
+    if statement.top == libraries.STAND_IN:
         return Finding(
             "stand-in",
             Verdict.FAIL,
@@ -160,12 +170,12 @@ def _missing(source: Source, missing: import_graph.Missing) -> Finding:
             "import it by its plain name",
             **place,
         )
-    if statement.top in testbed.ABSENT:
+    if statement.top in libraries.ABSENT:
         return Finding(
             "library-absent",
             Verdict.FAIL,
             f"the testbed has no {statement.top}",
-            testbed.ABSENT[statement.top],
+            libraries.ABSENT[statement.top],
             **place,
         )
     if missing.installed_here:
@@ -185,26 +195,13 @@ def _missing(source: Source, missing: import_graph.Missing) -> Finding:
     )
 
 
-def check_generation(source: Source) -> Iterator[Finding]:
-    """Names of the other generation of the API."""
-    for line, name, right in generations.wrong_names(source.tree, source.generation):
-        yield Finding(
-            "generation",
-            Verdict.FAIL,
-            f"{name} is a name of generation {3 - source.generation} of the API; the testbed"
-            f" it is checked for runs generation {source.generation}",
-            f"write {right}" if right else f"generation {source.generation} has no such thing",
-            line=line,
-        )
-
-
 # --- What it does ------------------------------------------------------------------------------
 
 
 def check_robots(source: Source) -> Iterator[Finding]:
     """Count the robots asked for."""
     for call in source.calls:
-        if source.called(call).rpartition(".")[2] != "Robotarium":
+        if not source.constructs(call):
             continue
         given = [k.value for k in call.keywords if k.arg == "number_of_robots"] or call.args[:1]
         number = constant(given[0], source.names) if given else None
@@ -214,7 +211,7 @@ def check_robots(source: Source) -> Iterator[Finding]:
 
 def check_finishing(source: Source) -> Iterator[Finding]:
     """Look for the call that ends an experiment."""
-    made = [c for c in source.calls if source.called(c).rpartition(".")[2] == "Robotarium"]
+    made = [call for call in source.calls if source.constructs(call)]
     if not made:
         return
     named = {n.attr for n in ast.walk(source.tree) if isinstance(n, ast.Attribute)}
@@ -276,9 +273,8 @@ def _file(source: Source, path: Path) -> str:
 
 
 CHECKS: tuple[Callable[[Source], Iterator[Finding]], ...] = (
-    check_python,
+    check_names,
     check_imports,
-    check_generation,
     check_robots,
     check_finishing,
     check_blocking,

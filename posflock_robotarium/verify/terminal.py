@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from barrier_certificates import ties
 from posflock_robotarium.verify.findings import Verdict, count
 
 if TYPE_CHECKING:
@@ -97,7 +98,7 @@ def _declared(declared: float | None, longest: float) -> str:
     """Return whether what will be declared is enough, where that is known."""
     if not declared:
         return ""
-    verdict = "is enough" if longest <= declared else "may be too short"
+    verdict = "is enough" if ties.within(longest, declared) else "may be too short"
     return f"; you will declare {declared:.0f} s, which {verdict}"
 
 

@@ -2,8 +2,8 @@
 
 The process was forked for this trial and ends with it.  The script sees the testbed's world: it
 is ``__main__``, has no arguments, finds its files flat in the working folder, and ``rps`` is the
-simulator under the trial's imperfections.  Its time is that of :mod:`~.clock`, and
-:mod:`~.guard` stops what it must not do.
+simulator under the trial's imperfections.  Its time is a :class:`SimulatedClock` that charges it
+for what it computes, and :mod:`~.guard` stops what it must not do.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from __future__ import annotations
 import builtins
 import contextlib
 import json
+import math
 import mmap
 import os
 import resource
@@ -26,9 +27,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from barrier_certificates.ties import beyond, first_smallest, reached, short_of
 from posflock_robotarium import testbed
-from posflock_robotarium.verify.clock import Clock, cpu_seconds, wall_time
 from posflock_robotarium.verify.guard import Guard
+from rps_compat.clock import SimulatedClock, Stuck, real
 
 _PULSE = struct.Struct("qddd")
 
@@ -138,9 +140,11 @@ class Enough(BaseException):
 class Watch:
     """Sees every step: times it, measures the gaps, and ends the run where the plan says so."""
 
-    def __init__(self, plan: TrialPlan, pulse: mmap.mmap, clock: Clock) -> None:
+    def __init__(self, plan: TrialPlan, pulse: mmap.mmap, clock: SimulatedClock) -> None:
         self.plan = plan
         self.clock = clock
+        self.seconds = 0.0
+        self._left = 0.0
         self.arenas: list[Any] = []
         self.loops: list[float] = []
         self.smallest_gap: tuple[float, float, tuple[int, int]] = (np.inf, 0.0, (0, 0))
@@ -168,19 +172,23 @@ class Watch:
     def append(self, t: float, poses: NDArray[np.float64], commands: NDArray[np.float64]) -> None:
         """Be told of a step, before the robots move: called inside the script's ``step()``."""
         arena, plan = self.arenas[-1], self.plan
+        spent = self.clock.spent()
         if self._steps:
-            self.loops.append(self.clock.spent())
-        self.clock.step(arena.robot.time_step)
+            self.loops.append(spent)
+        self.clock.resume()
+        self._left = max(arena.robot.time_step - spent, 0.0)
+        self.seconds += spent + self._left
         self._measure(t, arena)
         self._hear(t, arena)
         self._steps += 1
-        self._pulse[: _PULSE.size] = _PULSE.pack(self._steps, t, wall_time(), cpu_seconds())
-        if plan.kill_at is not None and t >= plan.kill_at:
+        self._pulse[: _PULSE.size] = _PULSE.pack(self._steps, t, real.time(), real.process_time())
+        if plan.kill_at is not None and reached(t, plan.kill_at):
             os.kill(os.getpid(), signal.SIGKILL)
-        if plan.interrupt_at is not None and t >= plan.interrupt_at and not self._interrupted:
+        interrupt = math.inf if plan.interrupt_at is None else plan.interrupt_at
+        if reached(t, interrupt) and not self._interrupted:
             self._interrupted = True
             raise KeyboardInterrupt
-        if max(self.clock.now, t) >= plan.longest:
+        if reached(max(self.seconds, t), plan.longest):
             self.over_time = True
             self._refusals += 1
             raise KeyboardInterrupt if self._refusals < 10 else Enough
@@ -190,14 +198,14 @@ class Watch:
         points = poses[0] + 1j * poses[1]
         if points.size > 1:
             gaps = np.abs(points[:, None] - points) + np.diag(np.full(points.size, np.inf))
-            k = int(gaps.argmin())
-            if gaps.flat[k] < self.smallest_gap[0]:
+            k = first_smallest(gaps.flat)
+            if short_of(gaps.flat[k], self.smallest_gap[0]):
                 self.smallest_gap = (float(gaps.flat[k]), t, divmod(k, points.size))
         x_min, x_max, y_min, y_max = arena.robot.boundaries
         wall = np.minimum.reduce([poses[0] - x_min, x_max - poses[0], poses[1] - y_min])
         wall = np.minimum(wall, y_max - poses[1])
-        robot = int(wall.argmin())
-        if wall[robot] < self.wall_gap[0]:
+        robot = first_smallest(wall)
+        if short_of(wall[robot], self.wall_gap[0]):
             self.wall_gap = (float(wall[robot]), t, robot)
 
     def _hear(self, t: float, arena: Any) -> None:
@@ -206,12 +214,12 @@ class Watch:
             self._silence = 0.0
         else:
             self._silence += arena.robot.time_step
-            if self._silence > self.silent[0]:
+            if beyond(self._silence, self.silent[0]):
                 self.silent = (self._silence, t)
 
-    def after_step(self) -> None:
-        """Let the script's time begin: the simulator's own work is not the script's."""
-        self.clock.resume()
+    def after_step(self, time_step: float) -> None:
+        """Let the step's time pass; the simulator's own work is not the script's."""
+        self.clock.advance(self._left)
 
 
 def run_trial(plan: TrialPlan) -> None:
@@ -255,11 +263,13 @@ def _run(plan: TrialPlan, outcome: Outcome, pulse: mmap.mmap, deeds: int) -> Non
     import random
 
     import rps_compat
+    from rps_compat.own_imports import keep_apart
     from rps_compat.profiles import profile_from_dict
     from rps_compat.realism import Imperfections
+    from rps_compat.repeatable import repeatable
     from rps_compat.session import Session
 
-    clock = Clock()
+    clock = SimulatedClock(charge=True)
     watch = Watch(plan, pulse, clock)
     profile = profile_from_dict(plan.profile) if plan.profile else None
     session = Session(
@@ -268,7 +278,7 @@ def _run(plan: TrialPlan, outcome: Outcome, pulse: mmap.mmap, deeds: int) -> Non
         realism=None if profile is None else lambda: Imperfections(profile),
         recorder=lambda robots: watch,
         created=watch.created,
-        wait=False,
+        pace=watch,
     )
     scratch = os.path.realpath(plan.scratch)
     os.chdir(scratch)
@@ -278,22 +288,34 @@ def _run(plan: TrialPlan, outcome: Outcome, pulse: mmap.mmap, deeds: int) -> Non
     random.seed(plan.seed)
     np.random.seed(plan.seed % 2**32)  # noqa: NPY002 - the script's stream, not ours
     rps_compat.install(api=plan.generation)
+    keep_apart(scratch)
     _limit(plan.memory)
     guard = Guard(scratch, deeds, lambda: watch._steps)
     guard.install()
     builtins.input = guard.answer
     _listen(watch, plan.generation)
-    _run_guarded(plan, outcome, session, clock, watch, scratch)
+    with repeatable(plan.seed):
+        _run_guarded(plan, outcome, session, clock, watch, scratch)
     _describe(outcome, watch, plan)
 
 
 def _run_guarded(
-    plan: TrialPlan, outcome: Outcome, session: Any, clock: Clock, watch: Watch, scratch: str
+    plan: TrialPlan,
+    outcome: Outcome,
+    session: Any,
+    clock: SimulatedClock,
+    watch: Watch,
+    scratch: str,
 ) -> None:
     import atexit
 
+    from rps_compat.bridges import dropped_names, one_element_conversions
+    from rps_compat.scripts.changes import Kind
+
+    # What the testbed's libraries have and newer ones dropped is there, as it is on the testbed.
+    as_there = dropped_names(Kind.LATER), one_element_conversions()
     try:
-        with session.active(), clock.installed():
+        with session.active(), clock.in_force(), as_there[0], as_there[1]:
             try:
                 runpy.run_path(os.path.join(scratch, plan.script), run_name="__main__")
             finally:
@@ -312,6 +334,9 @@ def _run_guarded(
     except MemoryError as error:
         outcome.ended = "memory"
         outcome.error = _error(error, scratch)
+    except Stuck as error:
+        outcome.ended = "hung"
+        outcome.error = _error(error, scratch)
     except BaseException as error:
         outcome.ended = "crashed"
         outcome.error = _error(error, scratch)
@@ -325,7 +350,7 @@ def _run_guarded(
 
 
 def _listen(watch: Watch, generation: int) -> None:
-    """Be told of the end of each step and of the finishing call."""
+    """Be told of the finishing call."""
     from importlib import import_module
 
     kind = import_module(f"rps_compat.v{generation}.robotarium").Robotarium
@@ -336,18 +361,13 @@ def _listen(watch: Watch, generation: int) -> None:
             raise Enough
 
         kind.get_poses = enough
-    step, finish = kind.step, "debug" if generation == 2 else "call_at_scripts_end"
+    finish = "debug" if generation == 2 else "call_at_scripts_end"
     finishing = getattr(kind, finish)
-
-    def timed(self: Any) -> None:
-        step(self)
-        watch.after_step()
 
     def finished(self: Any) -> None:
         watch.finished = True
         finishing(self)
 
-    kind.step = timed
     setattr(kind, finish, finished)
 
 
@@ -399,7 +419,7 @@ def _missing_file(error: BaseException, scratch: str) -> str:
 def _describe(outcome: Outcome, watch: Watch, plan: TrialPlan) -> None:
     """Fill in what was measured."""
     outcome.generation = plan.generation
-    outcome.clock = watch.clock.now
+    outcome.clock = watch.seconds
     outcome.steps = watch._steps
     outcome.finishing_call = watch.finished
     if watch.loops:

@@ -138,6 +138,8 @@ class Nursery:
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             env=environment,
+            # The current folder comes first on the path there, and is the user's here.
+            cwd=sys.prefix,
             text=True,
         )
 
@@ -286,12 +288,13 @@ def robots_and_seconds(script: Path) -> tuple[int | None, float | None]:
 
     Both are None where it does not run to its end.
     """
-    from posflock_robotarium.verify import generations, static
+    from posflock_robotarium.verify import static
+    from rps_compat.scripts.evidence import evidence_of
 
     _, source = static.check_source(script)
     if source is None:
         return None, None
-    with TrialRoom(source, generations.generation_of(source.tree) or 2, Limits()) as room:
+    with TrialRoom(source, evidence_of(source.uses).generation, Limits()) as room:
         (ran,) = room.run([room.plan("ideal")])
     if ran.outcome.ended != "finished" or not ran.outcome.steps:
         return None, None

@@ -19,6 +19,7 @@ from rps_compat.lazy import LazyModule
 from rps_compat.pace import pace_of
 from rps_compat.report import MESSAGES
 from rps_compat.v1.drawing import GritsbotPatches
+from rps_compat.v1.sensing import Sensing
 from rps_compat.wrong_generation import refuse, refuse_new_arguments
 
 plt = LazyModule("matplotlib.pyplot")
@@ -31,7 +32,7 @@ __all__ = [
 ]  # fmt: skip
 
 
-class RobotariumABC(ABC):
+class RobotariumABC(Sensing, ABC):
     """The parts of a Robotarium that do not depend on where its robots are.
 
     Parameters
@@ -45,6 +46,10 @@ class RobotariumABC(ABC):
         Whether ``step`` waits for its slot of 33 ms (in a window; nobody waits without one).
     initial_conditions
         Poses (3, N), metres and radians; an empty array draws them at random.
+    use_distance_sensors
+        Whether the seven infrared sensors are simulated.
+    obstacles
+        Segments (M, 2, 2) that they see: the ends' x in a row and their y in another, metres.
 
     Raises
     ------
@@ -59,6 +64,8 @@ class RobotariumABC(ABC):
         show_figure: bool = True,
         sim_in_real_time: bool = True,
         initial_conditions: Array = np.array([]),  # noqa: B008 - the published default
+        use_distance_sensors: bool = False,
+        obstacles: Array = np.full((1, 2, 2), np.nan),  # noqa: B008 - the published default
     ) -> None:
         if not isinstance(number_of_robots, int):
             raise ConstructorError(
@@ -102,6 +109,7 @@ class RobotariumABC(ABC):
         poses = first_poses(targets, mode, self._model(), rng)
         self._arena = self._session.arena(poses, self._model(), rng)
         self._reported = self._arena.observe()
+        self._begin_sensing(use_distance_sensors, obstacles)
         self.previous_render_time = time.time()
         self.file_path = None
         self.current_file_size = 0
@@ -112,7 +120,7 @@ class RobotariumABC(ABC):
         self._picture: ArenaFigure | None = None
         if show_figure:
             self._open_figure().show()
-        self._pace = pace_of(self._picture, sim_in_real_time, self._session.wait)
+        self._pace = pace_of(self._picture, sim_in_real_time, self._session)
         if self._session.created is not None:
             self._session.created(self)
         if mode == "drive":
@@ -122,6 +130,7 @@ class RobotariumABC(ABC):
         arena = self._arena
         if arena.realism is not None:
             self._reported[:] = arena.observe()
+        self._after_sensed_step()
         if self._pace is not None:
             self._pace.after_step(self.time_step)
 
@@ -142,6 +151,9 @@ class RobotariumABC(ABC):
         self._patches = GritsbotPatches(
             picture.axes, lambda: arena.poses, self.robot_length, self.robot_width, self.boundaries
         )
+        for ends in np.asarray(self.obstacles, dtype=float).reshape(-1, 2, 2):
+            if not np.isnan(ends).any():  # the published default stands for none
+                self.axes.plot(*ends, color="0.5", linewidth=4)
         return picture
 
     def _targets(self, initial_conditions: Array, rng: Callable[[], np.random.Generator]) -> Array:
@@ -246,7 +258,7 @@ class RobotariumABC(ABC):
         for kind, count in (
             ("boundary", dict(found.outside_by_robot)),
             ("collision", dict(found.close_by_robot)),
-            ("actuator", found.actuator_steps),
+            ("actuator", found.saturated_steps),
         ):
             if count:
                 errors[kind] = count

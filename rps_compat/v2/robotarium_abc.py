@@ -198,7 +198,7 @@ class ARobotarium(ABC):
         self._drawing: GternalDrawing | None = None
         if self.show_figure:
             self._initialize_visualization()
-        self._pace = pace_of(self._picture, self._sim_in_real_time, self._session.wait)
+        self._pace = pace_of(self._picture, self._sim_in_real_time, self._session)
         if self._session.created is not None:
             self._session.created(self)
 
@@ -419,7 +419,7 @@ class ARobotarium(ABC):
         counts = {
             "robots_outside_boundaries": found.outside_steps,
             "robots_too_close": found.close_pairs,
-            "exceeded_actuator_limits": found.actuator_steps,
+            "exceeded_actuator_limits": found.saturated_steps,
         }
         return {kind: count for kind, count in counts.items() if count}
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from barrier_certificates.ties import reached
 from rps_compat import sensors
 from rps_compat.arena import Array
 
@@ -49,6 +50,14 @@ class SensorSuite:
         self._noise: Array | None = None
         self._headings: Array = np.zeros(robots)
         self._turn_rates: Array = np.zeros(robots)
+
+    def start_from(self, ticks: Array) -> None:
+        """Begin to read in the middle of a run, when so many `ticks` (2, N) have been counted."""
+        of = self._of
+        self._encoders = self._encoders + ticks
+        if of._arena.steps:
+            self.remember()
+            self._noise = np.random.randn(10 * of.number_of_robots)  # noqa: NPY002
 
     def sense(self) -> None:
         """Renew all readings after a step; draws noise in the published order."""
@@ -135,7 +144,8 @@ class SensorSuite:
     def feel_orientations(self, noise: Array) -> None:
         """Renew the orientations with standard normal `noise` (N,)."""
         degrees = np.rad2deg(self._headings) + noise * self._of.ORIENTATION_NOISE_STD
-        self._orientations = np.mod(degrees, 360)
+        around = np.mod(degrees, 360)
+        self._orientations = np.where(reached(around, 360.0), 0.0, around)
 
     def work_out(self) -> None:
         """Finish the readings that a step left for whoever asks."""

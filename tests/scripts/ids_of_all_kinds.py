@@ -10,3 +10,4 @@ for ids in (None, [0], 0, [0, 1, 2], np.arange(3), "all"):
     r.step()
 assert (INITIAL == np.array([[0, 1, -1], [0, 0, 0], [0, 1, 2]])).all()
 print("%.4f" % r.get_poses()[0, 0])
+r.call_at_scripts_end()

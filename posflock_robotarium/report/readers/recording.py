@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from barrier_certificates import ties
 from posflock_robotarium.errors import LogError
 
 Floats = NDArray[np.float64]
@@ -49,7 +50,8 @@ class Recording:
     command : ndarray, shape (T, 2, N), optional
         Commanded linear (m/s) and angular (rad/s) velocity.
     moved : ndarray, shape (T,), optional
-        How far the certificate moved the velocities at each step (m/s); NaN where unknown.
+        Intervention of the certificate: how far it changed a velocity at most, each step (m/s);
+        NaN where unknown.
     clearance : ndarray, shape (T,), optional
         How far the team is from being unsafe at each step (m); NaN where unknown.
     status : ndarray of str, shape (T,), optional
@@ -110,7 +112,7 @@ class Recording:
     def gaps(self) -> NDArray[np.intp]:
         """Samples before which time is missing (indices into `t`)."""
         steps = np.diff(self.t)
-        return np.flatnonzero(steps > GAP_FACTOR * np.median(steps)) + 1
+        return np.flatnonzero(ties.beyond(steps, GAP_FACTOR * np.median(steps))) + 1
 
     @property
     def segments(self) -> list[slice]:

@@ -10,17 +10,20 @@ import numpy as np
 from rps_compat import controllers, deviations, placement
 from rps_compat.arguments import count, matrix, number
 from rps_compat.graphs import Indices
-from rps_compat.kinematics import HALF_TURN, Array
+from rps_compat.kinematics import HALF_TURN, Array, rotations
 from rps_compat.lazy import LazyModule
+from rps_compat.v1.sensing import distance_points
 
 __all__ = [
     "at_pose",
     "at_position",
+    "calculate_global_distance_points",
     "determine_font_size",
     "determine_marker_size",
     "generate_initial_conditions",
     "np",
     "plt",
+    "rotation_matrix",
 ]
 
 plt: Any = LazyModule("matplotlib.pyplot")
@@ -155,3 +158,30 @@ def _pixels_to_edge(width: float, edge: float) -> float:
     """
     share = (edge + edge / 2 + MARGIN) / (edge + 2 * MARGIN)
     return width * (AXES_START + AXES_SPAN * share)
+
+
+def rotation_matrix(theta: Any) -> Array:
+    """Rotations about the vertical axis, (M, 3, 3) for M angles `theta` (rad); last release."""
+    return np.moveaxis(rotations(theta), 2, 0)
+
+
+def calculate_global_distance_points(
+    robotarium_instance: Any, poses: Array, distances: Array
+) -> Array:
+    """Points that distance sensors have read, by the last release of generation 1.
+
+    Parameters
+    ----------
+    robotarium_instance
+        Where the sensors sit.
+    poses
+        Poses (3, N) at which they read, metres and radians.
+    distances
+        What they read (7, N), metres.
+
+    Returns
+    -------
+    ndarray (2, 7, N)
+        The points, metres; NaN where nothing was read.
+    """
+    return distance_points(robotarium_instance, poses, distances)

@@ -56,7 +56,8 @@ def create_si_to_uni_dynamics(
         matrix("poses", poses, 3, dxi.shape[1])
         along, across = kinematics.along_and_across(dxi, poses)
         speed = linear_velocity_gain * along
-        return np.array([speed, kinematics.turn_rate(across, speed, angular_velocity_limit)])
+        rates = kinematics.turn_rate(across, speed, poses[2], angular_velocity_limit)
+        return np.array([speed, rates])
 
     return si_to_uni_dyn
 

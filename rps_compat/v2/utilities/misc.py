@@ -15,7 +15,7 @@ from rps_compat import controllers, placement
 from rps_compat.arguments import NumberError, count, matrix
 from rps_compat.controllers import Flags
 from rps_compat.errors import RobotariumError
-from rps_compat.kinematics import HALF_TURN, Array
+from rps_compat.kinematics import HALF_TURN, Array, rotations
 from rps_compat.v2.robotarium_abc import ARobotarium
 
 __all__ = [
@@ -179,13 +179,7 @@ def determine_font_size(robotarium_instance: ARobotarium, font_height_meters: fl
 
 def rotation_matrix(theta: Any) -> Array:
     """Rotations about the vertical axis, (3, 3, M) for M angles `theta` (rad) of any shape."""
-    angles = np.ravel(theta)
-    cos, sin = np.cos(angles), np.sin(angles)
-    rotations = np.zeros((3, 3, angles.size))
-    rotations[0, 0] = rotations[1, 1] = cos
-    rotations[0, 1], rotations[1, 0] = -sin, sin
-    rotations[2, 2] = 1.0
-    return rotations
+    return rotations(theta)
 
 
 def unique_filename(file_name: str) -> str:

@@ -48,8 +48,9 @@ def create_si_to_uni_dynamics(
     def si_to_uni(dxi: Array, states: Array) -> Array:
         matrix("dxi", dxi, 2)
         matrix("states", states, 3, dxi.shape[1])
-        along, across = kinematics.body_frame(dxi, states[2])
-        rates = kinematics.turn_rate(across, along, angular_velocity_limit)
+        along, across = kinematics.along_and_across(dxi, states)
+        # Adding 0.0 turns -0.0 into 0.0, lest a robot told to stand turn round.
+        rates = kinematics.turn_rate(across, along + 0.0, states[2], angular_velocity_limit)
         return np.array([linear_velocity_gain * along, rates])
 
     return si_to_uni
@@ -71,11 +72,13 @@ def create_si_to_uni_dynamics_with_backwards_motion(
         matrix("dxi", dxi, 2)
         matrix("states", states, 3, dxi.shape[1])
         forwards = kinematics.facing(dxi, states[2])
-        headings = np.where(forwards, states[2], states[2] + kinematics.HALF_TURN)
-        along, across = kinematics.body_frame(dxi, headings)
+        along, across = kinematics.along_and_across(dxi, states)
         speed = linear_velocity_gain * along
-        rates = kinematics.turn_rate(across, speed, angular_velocity_limit)
-        return np.array([np.where(forwards, speed, -speed), rates])
+        # The velocity as the end sees it that goes first; again, -0.0 becomes 0.0.
+        sense = np.where(forwards, 1.0, -1.0)
+        seen = sense * across, sense * speed + 0.0
+        rates = kinematics.turn_rate(*seen, states[2], angular_velocity_limit)
+        return np.array([speed, rates])
 
     return si_to_uni
 

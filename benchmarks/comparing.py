@@ -1,0 +1,112 @@
+"""What every benchmark measures and prints with: CPU time in turns, and bars that judge ratios.
+
+A second is not the same on two processors, nor on one that others use as well. So what is judged is
+the ratio of two candidates that did their work in turns in one run, in CPU time, the median over
+rounds; seconds are printed beside it and judge nothing. Import this before numpy: it asks for one
+BLAS thread, since small matrices only lose time to more.
+"""
+
+from __future__ import annotations
+
+import os
+import resource
+import time
+from collections.abc import Callable, Mapping
+from statistics import median
+
+for _variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_variable, "1")
+
+
+def cpu(run: Callable[[], object]) -> float:
+    """Return the CPU seconds of a call, in this process."""
+    before = time.process_time()
+    run()
+    return time.process_time() - before
+
+
+def cpu_with_children(run: Callable[[], object]) -> float:
+    """Return the CPU seconds of a call, with those of the processes that it waits for."""
+
+    def used() -> float:
+        both = map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+        return sum(usage.ru_utime + usage.ru_stime for usage in both)
+
+    before = used()
+    run()
+    return used() - before
+
+
+class Times:
+    """CPU seconds of candidates that took turns.
+
+    Parameters
+    ----------
+    candidates : mapping
+        By name, what does the work and returns the seconds it took, mostly by `cpu`.
+    rounds : int
+        How often each has its turn.
+    """
+
+    def __init__(self, candidates: Mapping[str, Callable[[], float]], rounds: int = 5) -> None:
+        self.seconds: dict[str, list[float]] = {name: [] for name in candidates}
+        names = list(candidates)
+        for turn in range(rounds):  # another one first each time: it finds the caches cold
+            for name in names[turn % len(names) :] + names[: turn % len(names)]:
+                self.seconds[name].append(candidates[name]())
+
+    def median(self, name: str) -> float:
+        """Return the median seconds of a candidate."""
+        return median(self.seconds[name])
+
+    def ratio(self, name: str, reference: str) -> float:
+        """Return how many times as long one takes as another, the median over rounds."""
+        pairs = zip(self.seconds[name], self.seconds[reference], strict=True)
+        return median(one / other for one, other in pairs)
+
+
+class Table:
+    """Measured against required, a line each; and what judges nothing."""
+
+    def __init__(self, width: int = 60) -> None:
+        self.missed = 0
+        self._width = width
+
+    def bar(
+        self,
+        what: str,
+        measured: float,
+        sense: str,
+        required: float,
+        unit: str = "",
+        *,
+        beside: str = "",
+    ) -> None:
+        """Print one requirement; `sense` is ≥ or ≤, and `beside` is said without judging."""
+        holds = measured >= required if sense == "≥" else measured <= required
+        self.missed += not holds
+        verdict = ("ok" if holds else "MISSED") + (f"   ({beside})" if beside else "")
+        figures = f"{measured:>9.4g} {unit:<6} {sense} {required:<7g}"
+        print(f"  {what:<{self._width}}{figures}{verdict}", flush=True)
+
+    def ratio(
+        self, what: str, times: Times, name: str, reference: str, most: float, per: int = 1
+    ) -> None:
+        """Print how one candidate compares with its reference, and its time for each of `per`."""
+        beside = (
+            f"{seconds(times.median(name) / per)} against {seconds(times.median(reference) / per)}"
+        )
+        self.bar(what, times.ratio(name, reference), "≤", most, "×", beside=beside)
+
+    def exit_code(self) -> int:
+        """Say how many requirements were missed; 1 if any was."""
+        print("every requirement holds" if not self.missed else f"{self.missed} missed")
+        return int(self.missed > 0)
+
+
+def seconds(value: float) -> str:
+    """Return a time in the unit in which it reads best."""
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
+        if value >= size:
+            return f"{value / size:.3g} {unit}"
+    return f"{value / 1e-9:.3g} ns"

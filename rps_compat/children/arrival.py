@@ -1,0 +1,67 @@
+"""A process that a script has started afresh joins the run when it imports ``rps``."""
+
+import atexit
+import contextlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NoReturn
+
+from rps_compat.bridges import dropped_names, one_element_conversions
+from rps_compat.children.family import Family, has_family
+from rps_compat.children.plan import ChildError, plan_of_this_process
+from rps_compat.clock import SimulatedClock
+from rps_compat.install import install
+from rps_compat.recording import Recording
+from rps_compat.repeatable import repeatable
+from rps_compat.scripts.changes import Kind
+from rps_compat.session import Session, use
+from rps_compat.surroundings import headless_matplotlib
+
+#: What stands around the script of this process, until it ends.
+_surroundings = contextlib.ExitStack()
+
+
+def join_run(as_worker: bool = False) -> None:
+    """Join the run that this process belongs to, if it still goes on; a second call does nothing.
+
+    Parameters
+    ----------
+    as_worker
+        Whether `multiprocessing` is about to start work here, and has not run the script yet.
+    """
+    plan = plan_of_this_process()
+    if plan is None or has_family():
+        return
+    if as_worker:
+        install(plan.api)
+    clock = SimulatedClock()
+    refuse = None
+    try:
+        realism, open_log = plan.functions()
+    except ChildError as error:
+        realism, open_log, refuse = None, None, _refusing(error)
+    session = Session(
+        initial=plan.initial,
+        seed=plan.seed,
+        realism=refuse or realism,
+        pace=clock if plan.headless else None,
+    )
+    about = {"script": plan.script, "api": plan.api, "seed": plan.seed}
+    out = None if plan.out is None else Path(plan.out)
+    family = Family(plan, session, Recording(out, refuse or open_log, about))
+    _surroundings.enter_context(repeatable(plan.seed))
+    family.arrive(as_worker)
+    use(session)
+    atexit.register(_surroundings.close)
+    _surroundings.enter_context(dropped_names(Kind.GONE, Kind.LATER))
+    _surroundings.enter_context(one_element_conversions())
+    if plan.headless:
+        _surroundings.enter_context(clock.in_force())
+        _surroundings.enter_context(headless_matplotlib())
+
+
+def _refusing(error: ChildError) -> Callable[..., Any]:
+    def refuse(*_: Any) -> NoReturn:
+        raise error
+
+    return refuse

@@ -1,0 +1,44 @@
+"""What the environment imports is found even if the script has changed ``sys.path``."""
+
+import os
+import sys
+from _frozen_importlib_external import PathFinder
+
+from rps_compat.own_imports.whose import (
+    HOME,
+    OURS,
+    is_environments_code,
+    is_import_system,
+    is_installation,
+)
+
+TYPE_CHECKING = False  # typing's own may be hidden
+if TYPE_CHECKING:
+    from types import FrameType
+    from typing import Any
+
+
+class LastResort:
+    """The finder that is asked last: for our packages, and for what they and the libraries need."""
+
+    def __init__(self) -> None:
+        self._path = [entry for entry in sys.path if is_installation(os.path.abspath(entry))]
+
+    @classmethod
+    def stand_by(cls) -> None:
+        """Be asked last, once."""
+        if not any(isinstance(finder, cls) for finder in sys.meta_path):
+            sys.meta_path.append(cls())
+
+    def find_spec(self, name: str, path: "Any" = None, target: "Any" = None) -> "Any":
+        """Find a top-level module that is on no folder of ``sys.path`` any more."""
+        if path is not None:
+            return None
+        if name in OURS:
+            return PathFinder.find_spec(name, [HOME])
+        frame: FrameType | None = sys._getframe(1)
+        while frame is not None and is_import_system(frame):
+            frame = frame.f_back
+        if frame is None or not is_environments_code(frame.f_globals, frame):
+            return None
+        return PathFinder.find_spec(name, self._path)

@@ -1,0 +1,50 @@
+"""A ``sys.path`` that tells of new folders."""
+
+TYPE_CHECKING = False  # typing's own may be hidden
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+    from typing import Any
+
+
+class WatchedPath(list["str"]):
+    """A list that tells `look` of itself when something is added; copies of it are plain lists."""
+
+    def __init__(self, entries: "Iterable[str]", look: "Callable[[Iterable[str]], None]") -> None:
+        super().__init__(entries)
+        self._look = look
+
+    def insert(self, index: "Any", entry: str) -> None:
+        """Add a folder before another."""
+        super().insert(index, entry)
+        self._look(self)
+
+    def append(self, entry: str) -> None:
+        """Add a folder at the end."""
+        super().append(entry)
+        self._look(self)
+
+    def extend(self, entries: "Iterable[str]") -> None:
+        """Add folders at the end."""
+        super().extend(entries)
+        self._look(self)
+
+    def __iadd__(self, entries: "Iterable[str]") -> "WatchedPath":  # type: ignore[override]
+        self.extend(entries)
+        return self
+
+    def __add__(self, entries: "Iterable[str]") -> "WatchedPath":  # type: ignore[override]
+        return WatchedPath([*self, *entries], self._look)._seen()
+
+    def __radd__(self, entries: "Iterable[str]") -> "WatchedPath":
+        return WatchedPath([*entries, *self], self._look)._seen()
+
+    def _seen(self) -> "WatchedPath":
+        self._look(self)
+        return self
+
+    def __setitem__(self, index: "Any", value: "Any") -> None:
+        super().__setitem__(index, value)
+        self._look(self)
+
+    def __reduce__(self) -> "tuple[Any, ...]":
+        return list, (list(self),)

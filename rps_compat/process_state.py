@@ -1,0 +1,94 @@
+"""What a script expects of its process, and what the process gets back when it ends.
+
+The script is alone in the world, as far as it can see: it has its own folder, its own arguments,
+``rps`` of its generation and the random numbers of its seed. A file beside it may be called like
+one of our modules or of a library's (:mod:`rps_compat.own_imports`); on the testbed, where all
+files lie in one folder, that would hurt, so it is noted.
+"""
+
+import contextlib
+import os
+import random
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from rps_compat.install import Api, install, installed, uninstall
+from rps_compat.own_imports import HiddenNames, KeptApart
+from rps_compat.own_imports.whose import is_environments_module
+from rps_compat.scripts.libraries import shadowed_by
+
+#: Files that hide something beyond this many are counted only.
+TOLD = 5
+
+
+@contextlib.contextmanager
+def process_state(
+    script: Path, arguments: Sequence[str], api: Api, seed: int | None
+) -> Iterator[HiddenNames]:
+    """Be where `script` expects to be within the ``with`` block; leave the process as it was.
+
+    Parameters
+    ----------
+    script
+        An absolute path.
+    arguments
+        The script's own, without its name.
+    api
+        Generation of ``rps``.
+    seed
+        Of Python's and numpy's global generators; None leaves them as they are.
+    """
+    folder, argv, path = Path.cwd(), sys.argv, list(sys.path)
+    bytecode, before, modules = sys.dont_write_bytecode, installed(), set(sys.modules)
+    randomness = random.getstate(), np.random.get_state()  # noqa: NPY002
+    os.chdir(script.parent)
+    sys.argv = [str(script), *arguments]
+    sys.path.insert(0, str(script.parent))
+    sys.dont_write_bytecode = True  # the script's folder is not ours to write to
+    install(api)
+    if seed is not None:
+        random.seed(seed)
+        np.random.seed(seed % 2**32)  # noqa: NPY002 - what scripts draw from
+    try:
+        with KeptApart(str(script.parent)) as names:
+            yield names
+    finally:
+        os.chdir(folder)
+        sys.argv, sys.path[:], sys.dont_write_bytecode = argv, path, bytecode
+        random.setstate(randomness[0])
+        np.random.set_state(randomness[1])  # noqa: NPY002
+        uninstall() if before is None else install(before)
+        _forget_modules_of(script.parent, modules)
+
+
+def _forget_modules_of(folder: Path, known: set[str]) -> None:
+    """Drop modules that the script imported from its own `folder`: the next script has its own."""
+    for name in set(sys.modules) - known:
+        module = sys.modules[name]
+        source = getattr(module, "__file__", None)
+        if source and Path(source).is_relative_to(folder) and not is_environments_module(module):
+            del sys.modules[name]
+
+
+def hiding_notes(names: HiddenNames) -> list[str]:
+    """Note what of Python's or of the testbed's the script's files hide, where anybody needs it."""
+    found = []
+    for name in sorted(names.claimed | names.asked):
+        hidden = shadowed_by(name)
+        if hidden:
+            file = Path(names.files[name])
+            what = f"{file.parent.name}/" if file.stem == "__init__" else file.name
+            found.append(f"{what} beside the script hides {hidden}")
+    if len(found) > TOLD:
+        rest = len(found) - TOLD
+        found[TOLD:] = [f"{rest} more files beside the script hide modules and libraries of Python"]
+    return [f"{what}; {_HIDING}" for what in found]
+
+
+_HIDING = (
+    "here each gets its own, but on the testbed, where all files lie in one folder, whoever needs "
+    "that gets this file"
+)

@@ -1,0 +1,218 @@
+"""What one process keeps of the Robotarium instances that its script makes.
+
+Each instance gets a :class:`Watch`, which is told of every step and passes it on: to the log
+and to the film. In a child process of a script (:mod:`rps_compat.children`) it also keeps a
+record of what the report needs, on disk and up to date, because such processes are often killed.
+"""
+
+import threading
+import weakref
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol
+
+from rps_compat.arena import Arena, Array
+from rps_compat.film import Film
+from rps_compat.report import RunReport, report_on
+
+
+class RunRecorder(Protocol):
+    """A recorder that is told how the run ended; the pose log is one."""
+
+    def append(self, time: float, poses: Array, commands: Array, /) -> None:
+        """Take note of one step."""
+
+    def close(self, how: str, reason: str, /) -> None:
+        """Take note of the end."""
+
+
+#: Makes the recorder of one instance: where (without ending), for how many robots, and what is
+#: known about the run.
+OpenRecorder = Callable[[Path, int, dict[str, Any]], RunRecorder]
+
+
+class Record(Protocol):
+    """Where what is known of an instance is kept up to date, step by step."""
+
+    def update(self, arena: Arena, /) -> None:
+        """Take note of the step that `arena` is about to do."""
+
+    def close(self, arena: Arena, /) -> None:
+        """Take note of `arena` as it is at its end."""
+
+
+class Watch:
+    """Recorder of one instance.
+
+    Attributes
+    ----------
+    instance
+        The Robotarium, where pictures are taken of it; None until it is made.
+    arena
+        Its arena; None until it is made.
+    """
+
+    def __init__(
+        self,
+        recording: "Recording",
+        log: RunRecorder | None,
+        path: Path | None,
+        record: Record | None = None,
+    ) -> None:
+        self._recording, self._log, self._path, self._record = recording, log, path, record
+        self.instance: Any = None
+        self.arena: Arena | None = None
+
+    def attach(self, instance: Any) -> None:
+        """Watch a new `instance`.
+
+        Where a record is kept, the instance is not: when nobody has it any more, its run is over,
+        and the record says so, since it may have to stand for a process that is killed later.
+        """
+        self.arena = instance._arena
+        if self._record is None:
+            self.instance = instance
+        else:
+            weakref.finalize(instance, self.close, "finished", "").atexit = False
+
+    def append(self, time: float, poses: Array, commands: Array) -> None:
+        """Pass one step on."""
+        arena = self.arena
+        if self._recording.over and threading.current_thread() is not threading.main_thread():
+            raise SystemExit  # it outlived the run
+        if self._log is not None:
+            self._log.append(time, poses, commands)
+        if self._record is not None and arena is not None:
+            self._record.update(arena)
+        film = self._recording.film
+        if film is not None and not film.idle and self._recording.watches[0] is self:
+            film.at(time, self.instance)
+
+    def close(self, how: str, reason: str) -> None:
+        """Close log and record; a second call changes nothing."""
+        log, self._log = self._log, None
+        record, self._record = self._record, None
+        if record is not None and self.arena is not None:
+            record.close(self.arena)
+        if log is not None:
+            log.close(how, reason)
+
+    def abandon(self) -> None:
+        """Leave log and record to the process from which this one was forked."""
+        self._log = self._record = None
+
+    @property
+    def files(self) -> list[Path]:
+        """Files of the log."""
+        return [] if self._path is None else files_of(self._path)
+
+
+def files_of(log: Path) -> list[Path]:
+    """Return the files of a log whose path has no ending."""
+    return sorted(path for path in log.parent.glob(f"{log.name}.*") if path.stem == log.name)
+
+
+@dataclass
+class Recording:
+    """Makes the watches of one process.
+
+    Attributes
+    ----------
+    out
+        Folder for logs; None for none.
+    open_log
+        Opens the log of one instance; None writes none.
+    about
+        What every log is told of the run.
+    film
+        Takes pictures of the first instance.
+    name
+        What a log of this process is called after.
+    open_record
+        Opens what is kept of an instance for another process, from its number in this process,
+        its number of robots, the path of its log, and whether it is a copy of the parent's.
+    over
+        Whether the run has ended: threads that outlived it end with their next step.
+    """
+
+    out: Path | None
+    open_log: OpenRecorder | None
+    about: dict[str, Any]
+    film: Film | None = None
+    name: Callable[[], str] = lambda: ""
+    open_record: Callable[[int, int, Path | None, bool], Record] | None = None
+    over: bool = field(default=False, init=False)
+    watches: list[Watch] = field(default_factory=list, init=False)
+
+    def watch(self, robots: int, copied: bool = False) -> Watch:
+        """Make the watch of one more instance of `robots` robots: the session's recorder."""
+        number, name = len(self.watches) + 1, self.name()
+        log = path = None
+        if self.open_log is not None and self.out is not None:
+            words = ["poses", name, "" if number == 1 else str(number)]
+            path = self.out / "-".join(filter(None, words))
+            about = {**self.about, **({"process": name} if name else {})}
+            log = self.open_log(path, robots, about)
+        record = None
+        if self.open_record is not None:
+            record = self.open_record(number, robots, path, copied)
+        watch = Watch(self, log, path, record)
+        self.watches.append(watch)
+        return watch
+
+    def created(self, instance: Any) -> None:
+        """Be told of a new instance by the session."""
+        watch = instance._arena.recorder
+        if isinstance(watch, Watch):
+            watch.attach(instance)
+
+    @property
+    def first(self) -> Any:
+        """The first instance; None while there is none."""
+        return self.watches[0].instance if self.watches else None
+
+    def reports(self) -> list[RunReport]:
+        """Report on each instance, in the order of their making."""
+        return [report_on(arena) for arena in self.arenas]
+
+    @property
+    def arenas(self) -> list[Arena]:
+        """The arenas of the instances, in the order of their making."""
+        return [watch.arena for watch in self.watches if watch.arena is not None]
+
+    def close(self, how: str, reason: str) -> list[Path]:
+        """Close all watches, and return the files of their logs.
+
+        Parameters
+        ----------
+        how, reason
+            How the run ended: finished, interrupted or failed, and why.
+        """
+        for watch in self.watches:
+            watch.close(how, reason)
+        return [file for watch in self.watches for file in watch.files]
+
+    def leave_to(self, child: "Recording") -> None:
+        """In a forked child: let `child` record what the instances of this process do from now on.
+
+        They are copies of the parent's, and so are their logs, into which the parent goes on
+        writing.
+        """
+        for watch in self.watches:
+            watch.abandon()
+            if watch.arena is not None:
+                watch.arena.recorder = _Continued(child, watch.arena)
+
+
+class _Continued:
+    """Opens a watch for an arena that a child has from its parent, if its robots drive on."""
+
+    def __init__(self, recording: Recording, arena: Arena) -> None:
+        self._recording, self._arena = recording, arena
+
+    def append(self, time: float, poses: Array, commands: Array) -> None:
+        arena = self._arena
+        watch = arena.recorder = self._recording.watch(arena.number_of_robots, copied=True)
+        watch.arena = arena
+        watch.append(time, poses, commands)

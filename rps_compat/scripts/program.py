@@ -1,0 +1,232 @@
+"""A script and the modules beside it, read together: what every name and expression stands for.
+
+This is a small abstract interpreter. It walks through the statements in order with a table of what
+each name stands for (:mod:`~rps_compat.scripts.bindings`), joins the tables where branches meet,
+goes through loops twice, and looks into functions with what they are called with. It does so again
+until nothing new turns up. Nothing is run, so what a name stands for is told only as far as
+imports, assignments, calls and annotations tell it.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections import defaultdict
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rps_compat.errors import ScriptError
+from rps_compat.scripts.generation_names import ROBOTARIUM
+from rps_compat.scripts.libraries import SIMULATOR
+from rps_compat.scripts.lookup import bases_of
+from rps_compat.scripts.source import Script, read_script
+from rps_compat.scripts.values import (
+    ANYTHING,
+    UNKNOWN,
+    Class,
+    Function,
+    Instance,
+    Origin,
+    Scope,
+    Value,
+    Values,
+    origins,
+)
+
+#: Rounds through the script after which the last one counts, whatever it brought.
+_ROUNDS = 8
+#: Modules beside a script that are read at most.
+_MODULES = 60
+#: Our own packages: they are not what a script consists of.
+_OURS = frozenset({SIMULATOR, "rps_compat", "posflock_robotarium", "barrier_certificates"})
+#: What a Robotarium is, and its classes.
+ROBOTS = frozenset(
+    {f"{ROBOTARIUM}", "rps.robotarium_abc.RobotariumABC", "rps.robotarium_abc.ARobotarium"}
+)
+
+
+@dataclass(eq=False, repr=False)
+class Module:
+    """The script, or a module beside it.
+
+    Attributes
+    ----------
+    name : str
+        Dotted name; "" is the script.
+    script : Script
+        Its source.
+    scope : Scope
+        Its names.
+    stars : list of str
+        Modules whose names it takes by ``from … import *``, in order.
+    is_package : bool
+        Whether it is an ``__init__.py``.
+    """
+
+    name: str
+    script: Script
+    is_package: bool = False
+    stars: list[str] = field(default_factory=list)
+    scope: Scope = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.scope = Scope(self)
+
+    @property
+    def package(self) -> str:
+        """The package that relative imports start from."""
+        return self.name if self.is_package else self.name.rpartition(".")[0]
+
+
+class Program:
+    """A script with the modules beside it that it imports.
+
+    Parameters
+    ----------
+    script : Script
+        The main file.
+    """
+
+    def __init__(self, script: Script) -> None:
+        self.script = script
+        self.main = Module("", script)
+        self._modules: dict[str, Module | None] = {"": self.main}
+        #: What each expression stands for, by node.
+        self.values: dict[ast.AST, Values] = {}
+        #: Names that a star brought, by node → the module of the star.
+        self.starred: dict[ast.AST, str] = {}
+        #: Attributes given to what nobody knows, by name.
+        self.loose: dict[str, Values] = {}
+        self._functions: dict[ast.AST, Function] = {}
+        self._classes: dict[ast.AST, Class] = {}
+        self._by_attribute: dict[str, Values] = {}
+        #: Whether this round brought anything new.
+        self.grown = False
+        #: What something stands for of which nothing is known: nothing yet, later anything.
+        self.absent: Values = frozenset()
+        self._run_already: set[str] = set()
+        for self.absent in (frozenset(), ANYTHING):
+            self._interpret()
+
+    def _interpret(self) -> None:
+        """Go through everything until nothing new turns up."""
+        for _ in range(_ROUNDS):
+            self.grown = False
+            self.values, self.starred = defaultdict(frozenset), {}
+            self._by_attribute = self._attributes_by_name()
+            self._run_already = set()
+            self._run(self.main)
+            if not self.grown:
+                break
+
+    def _run(self, module: Module) -> None:
+        from rps_compat.scripts.bindings import Interpreter
+
+        self._run_already.add(module.name)
+        module.scope.names, module.stars = {}, []
+        Interpreter(self, module).run()
+
+    def imported(self, name: str) -> Module | None:
+        """Return a module beside the script as :meth:`module` does, and run it the first time.
+
+        The packages that it lies in run before it.
+        """
+        parts = name.split(".")
+        for k in range(1, len(parts) + 1):
+            module = self.module(".".join(parts[:k]))
+            if module is not None and module.name not in self._run_already:
+                self._run(module)
+        return self.module(name)
+
+    @property
+    def modules(self) -> list[Module]:
+        """The script and every module beside it that it imports, the script first."""
+        return [module for module in self._modules.values() if module is not None]
+
+    def module(self, name: str) -> Module | None:
+        """Return the module that lies beside the script under a dotted name, or None."""
+        if name not in self._modules:
+            self._modules[name] = self._read(name)
+        return self._modules[name]
+
+    def _read(self, name: str) -> Module | None:
+        parts = name.split(".")
+        if parts[0] in _OURS or not all(parts) or len(self._modules) > _MODULES:
+            return None
+        place = self.script.path.parent.joinpath(*parts)
+        for path, is_package in ((place / "__init__.py", True), (place.with_suffix(".py"), False)):
+            if path.is_file() and path != self.script.path:
+                try:
+                    return Module(name, read_script(path), is_package)
+                except ScriptError:
+                    return None
+        return None
+
+    def function(
+        self, node: ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda, scope: Scope
+    ) -> Function:
+        """Return the one function of a definition."""
+        if node not in self._functions:
+            self._functions[node] = Function(node, scope)
+        return self._functions[node]
+
+    def class_(self, node: ast.ClassDef) -> Class:
+        """Return the one class of a definition."""
+        if node not in self._classes:
+            self._classes[node] = Class(node)
+        return self._classes[node]
+
+    def add(self, table: dict[str, Values], name: str, values: Values) -> None:
+        """Add `values` to what a table has under `name`."""
+        before = table.get(name, frozenset())
+        if not values <= before or name not in table:
+            table[name] = before | values
+            self.grown = True
+
+    def _attributes_by_name(self) -> dict[str, Values]:
+        found: dict[str, Values] = dict(self.loose)
+        for of in self._classes.values():
+            for name, values in of.attributes.items():
+                found[name] = found.get(name, frozenset()) | values
+        return found
+
+    def robots_called(self, name: str) -> Values:
+        """Return what attributes of this name hold, wherever, if that is a Robotarium and no other.
+
+        So ``team.robots.step()`` is a Robotarium's also where nobody knows what ``team`` is.
+        """
+        found = self._by_attribute.get(name, frozenset())
+        return found if found and self.is_robots(found) else frozenset()
+
+    def instances_of(self, kinds: Values) -> Values:
+        """Return what calling classes among `kinds` makes, as far as annotations matter."""
+        made: set[Value] = {Instance(kind) for kind in kinds if isinstance(kind, Class)}
+        made |= {Origin(f"{path}()") for path in origins(kinds) & ROBOTS}
+        return frozenset(made)
+
+    def is_robots(self, values: Values) -> bool:
+        """Whether all of `values`, and at least one, are a Robotarium."""
+        return bool(values) and all(self._is_robot(value) for value in values)
+
+    def _is_robot(self, value: object) -> bool:
+        if isinstance(value, Origin):
+            return value.path.removesuffix("()") in ROBOTS and value.path.endswith("()")
+        return isinstance(value, Instance) and bool(bases_of(value.of) & ROBOTS)
+
+    def path_of(self, node: ast.AST) -> str:
+        """Return the one dotted path that an expression stands for; "" if there is not just one."""
+        values = self.values.get(node, ANYTHING)
+        paths = origins(values)
+        return paths.pop() if len(paths) == 1 and len(values - {UNKNOWN}) == 1 else ""
+
+
+def read_program(path: Path | str) -> Program:
+    """Read a script and the modules beside it.
+
+    Raises
+    ------
+    ScriptError
+        It is not there.
+    UnreadableError
+        It is not Python. A module beside it that is not is left out.
+    """
+    return Program(read_script(path))

@@ -1,0 +1,1 @@
+"""As in the published package, there is nothing in here: its version is not told."""
