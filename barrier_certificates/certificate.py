@@ -49,9 +49,15 @@ class Certificate(ABC):
     safety_radius : float
         Smallest distance between two positions, m.
     barrier_gain : float
-        γ of all rows but limits: larger lets robots come closer faster. Zero: never any closer.
+        γ of pairs and obstacles, in 1/(m⁴ s): larger lets robots come closer faster. Zero: never
+        any closer.
     unsafe_gain : float, optional
         γ of pairs that are already too close; ``barrier_gain`` if None.
+    wall_gain : float, optional
+        γ of walls, in 1/(m² s), a unit of its own; the number of ``barrier_gain`` if None.
+    pair_rows : bool
+        Whether robots are kept apart from each other. Without, a control run shows what robots do
+        on their own; ``clearance`` then is of walls and obstacles alone.
     boundary : (4,) or (2, W) array-like, optional
         The arena: (x_min, x_max, y_min, y_max), or the corners of a convex polygon in order, m.
     wall_margin : float, optional
@@ -85,6 +91,8 @@ class Certificate(ABC):
     barrier_gain: float = 100.0
     _: KW_ONLY
     unsafe_gain: float | None = None
+    wall_gain: float | None = None
+    pair_rows: bool = True
     boundary: Any = None
     wall_margin: float | None = None
     obstacle_margin: float | None = None
@@ -109,7 +117,7 @@ class Certificate(ABC):
         """Refuse parameters that make no sense."""
         checks.positive("safety_radius", self.safety_radius, "of metres")
         checks.not_negative("barrier_gain", self.barrier_gain)
-        for name in ("unsafe_gain", "wall_margin", "obstacle_margin"):
+        for name in ("unsafe_gain", "wall_gain", "wall_margin", "obstacle_margin"):
             if getattr(self, name) is not None:
                 checks.not_negative(name, getattr(self, name))
         checks.angle("tilt", self.tilt)
@@ -140,7 +148,8 @@ class Certificate(ABC):
             return None
         walls = (rectangle if len(self.boundary) == 4 else polygon)(self.boundary)
         margin = self._half_radius(self.wall_margin)
-        return WallRows(*walls, margin, self.barrier_gain, disturbance)
+        gain = self.barrier_gain if self.wall_gain is None else self.wall_gain
+        return WallRows(*walls, margin, gain, disturbance)
 
     def _half_radius(self, margin: float | None) -> float:
         """Return a margin, by default half the safety radius, m."""
@@ -158,7 +167,9 @@ class Certificate(ABC):
             disturbance,
         )
         families = [family for family in (limits, walls, obstacles) if family is not None]
-        pairs = PairRows(self.safety_radius, self.barrier_gain, self.unsafe_gain, disturbance)
+        pairs = None
+        if self.pair_rows:
+            pairs = PairRows(self.safety_radius, self.barrier_gain, self.unsafe_gain, disturbance)
         top_speed = math.inf if limits is None else limits.top_speed
         deadlock = self.deadlock
         if deadlock is None and self.tilt:
@@ -186,6 +197,8 @@ class Certificate(ABC):
         else:
             velocity, info = self._watch(desired, rows, memory.monitor)
         info.smallest_h, info.clearance, info.nearest_row = barrier
+        info.unsafe_start = memory.fresh and info.clearance < 0.0
+        memory.fresh = False
         return velocity, info
 
     def _watch(
@@ -222,9 +235,11 @@ class _Memory:
     obstacles: ObstacleRows
     projector: Projector
     monitor: DeadlockMonitor | None
+    fresh: bool = True
 
     def reset(self) -> None:
-        """Forget who bound and who was held."""
+        """Forget who bound and who was held: the next call is the first."""
+        self.fresh = True
         self.projector.reset()
         if self.monitor is not None:
             self.monitor.reset()

@@ -1,14 +1,24 @@
 r"""What a certificate guarantees, and what of that is left when time comes in steps.
 
 In continuous time, ``ḣ ≥ −γ h³`` with ``h(0) ≥ 0`` keeps ``h ≥ 0`` for ever: near zero the right
-side vanishes faster than h. A controller acts in steps of dt, and over one step of constant
-velocity a pair's ``h`` becomes at least ``h − dt γ h³ = h (1 − γ dt h²)``. So
+side vanishes faster than h. It starts from ``h(0) ≥ 0``: a certificate's first answer says whether
+that holds (``info.unsafe_start``).
 
-    γ · dt · h² ≤ 1
+A controller acts in steps of dt. Two robots D apart with velocities that differ by Δv are
+``D + dt Δv`` apart after a step, so their h becomes
 
-keeps ``h ≥ 0`` over the step. It is needed only for those ``h`` at which a pair could close within
-one step at all: two robots of speed s that are further than ``r + 2 s dt`` apart cannot. Hence a
-largest gain, far above any in use at the testbed's 0.033 s.
+    h + 2 dt D·Δv + dt² ‖Δv‖²  ≥  h − dt γ h³  =  h (1 − γ dt h²),
+
+and there are two cases:
+
+- ``h ≤ 1/√(γ dt)``: the bracket is not negative, and h stays at least zero because of the row;
+- ``h > 1/√(γ dt)``: the row alone would let the pair through. But these robots are far apart, and
+  none is faster than s: a step cannot bring them to r if they are at least ``r + 2 s dt`` apart.
+
+The two cases meet if every h below which one step at top speed reaches zero is of the first kind,
+``(r + 2 s dt)² − r² ≤ 1/√(γ dt)``. That is the largest gain, far above any in use at the testbed's
+0.033 s: with r = 0.20 m, γ = 2000 and s = 0.153 m/s, ``1/√(γ dt)`` is 0.123 m², or 0.40 m of
+distance, of which a step can take 10 mm. A wall is the same with ``g − dt 0.4 γ g³``.
 
 The guarantee is for velocities that are *executed as certified*. Clipping them afterwards, a delay,
 wheels that slip and poses measured with an error all void it; so does the arc that a projection

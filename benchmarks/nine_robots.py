@@ -66,13 +66,16 @@ class DenseCertificate:
     """Stands in for the flock's certificate: the common program on the points ahead."""
 
     def __init__(self, flock: Flock) -> None:
-        self._certify = dense_certificate(flock.wheels.arena)
-        self._ahead = flock.wheels.projection_distance
+        self._certify = dense_certificate(flock.certificate.boundary)
+        self.projection_distance = flock.certificate.projection_distance
+        self.commands, self.pair_rows = flock.certificate.commands, True
 
     def project(self, desired: np.ndarray, poses: np.ndarray) -> tuple[np.ndarray, ProjectionInfo]:
         """Certify velocities (2, N) of the points ahead of poses (3, N)."""
         heading = np.array([np.cos(poses[2]), np.sin(poses[2])])
-        return self._certify(desired, poses[:2] + self._ahead * heading), ProjectionInfo("optimal")
+        return self._certify(
+            desired, poses[:2] + self.projection_distance * heading
+        ), ProjectionInfo("optimal")
 
     def reset(self) -> None:
         """Forget nothing: it remembers nothing."""

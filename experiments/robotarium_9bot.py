@@ -12,6 +12,7 @@ Robotarium package is installed and ours stands in, summary.json and the figures
 
 import argparse
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -30,8 +31,8 @@ except ImportError:
 
     STAND_IN = True
 
-from posflock_robotarium.flocking.errors import PosflockError
-from posflock_robotarium.flocking.flock import WALLS, Flock
+from posflock_robotarium.flocking.errors import ParameterError, PosflockError
+from posflock_robotarium.flocking.flock import EXPERIMENT_CERTIFICATE, WALLS, Flock
 from posflock_robotarium.flocking.law import LawParameters
 from posflock_robotarium.flocking.placement import random_poses
 from posflock_robotarium.flocking.pose_log import PoseLog
@@ -41,7 +42,7 @@ ROBOTS = 9
 DURATION = 120.0  # s
 TIME_STEP = 0.033  # s, the testbed's
 START_SIDE = 1.0  # m, the square in which the robots start
-START_SPACING = 0.30  # m, at least, between any two of them
+START_SPACING = 0.30  # m, at least, between any two of them; look-ahead points are 0.32 m apart
 LAW = LawParameters(
     distance_scale=0.12,  # δ, m
     radius=0.75,  # r, m
@@ -54,9 +55,15 @@ LAW = LawParameters(
 def main() -> None:
     """Run the experiment once."""
     options = parse_options()
+    if options.certificate == "off" and not STAND_IN:
+        raise ParameterError(
+            "--certificate off lets robots collide: it is for the simulator, to show what the law"
+            " does on its own; run it where no Robotarium package is installed"
+        )
     chance = np.random.default_rng(options.seed)
     start = random_poses(ROBOTS, chance, side=START_SIDE, spacing=START_SPACING)
-    flock = Flock(LAW, TIME_STEP, walls=options.walls)
+    certificate = replace(EXPERIMENT_CERTIFICATE, pair_rows=options.certificate == "on")
+    flock = Flock(LAW, TIME_STEP, walls=options.walls, certificate=certificate)
     steps = flock.steps_in(options.duration)
     description = flock.parameters() | {
         "experiment": "robotarium_9bot",
@@ -113,8 +120,12 @@ def parse_options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description="The paper's nine-robot flocking experiment.")
     parser.add_argument("--seed", type=int, default=0, help="of the starting poses")
     parser.add_argument("--duration", type=float, default=DURATION, help="in seconds")
+    parser.add_argument("--walls", choices=WALLS, default="steer", help="certificate: no steering")
     parser.add_argument(
-        "--walls", choices=WALLS, default="steer", help="certificate: the paper's law alone"
+        "--certificate",
+        choices=("on", "off"),
+        default="on",
+        help="off: a control run in which nobody is kept apart (simulator only)",
     )
     parser.add_argument("--out", type=Path, default=Path(), help="folder for what the run leaves")
     parser.add_argument("--show", action="store_true", help="watch it in real time")

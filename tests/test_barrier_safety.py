@@ -271,6 +271,41 @@ def test_discrete_time_condition_is_what_decides():
     assert turning_error(D, 0.0, STEP) == 0
 
 
+@given(
+    st.floats(0.05, 1.0),
+    st.floats(0.01, 1.0),
+    st.floats(0.005, 0.2),
+    st.floats(0.0, 1.0),
+    st.floats(1e-3, 1.0),
+)
+def test_no_step_reaches_zero_up_to_the_largest_gain(radius, speed, step, near, share):
+    """Head on and as fast as row and top speed allow, from any h: the worst of all steps."""
+    gain = share * largest_gain(radius, speed, step)
+    distance = radius + near * 4.0 * speed * step
+    h = distance**2 - radius**2
+    closing = min(2.0 * speed, gain * h**3 / (2.0 * distance))
+    assert (distance - step * closing) ** 2 - radius**2 >= -1e-12
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.0, 1.0))
+def test_the_flocks_gain_keeps_robots_apart_from_every_safe_state(seed, near):
+    """γ = 2000 at 0.20 m in steps of 33 ms: on both sides of h = 1/√(γ dt), whatever is wanted."""
+    rng = np.random.default_rng(seed)
+    certificate = UnicycleCertificate(
+        0.20, 2000.0, speed_limit=0.15, turn_rate_limit=0.55, time_step=STEP
+    )
+    angle, (first, second) = rng.uniform(-np.pi, np.pi), rng.uniform(-np.pi, np.pi, 2)
+    apart = 0.20 + 0.5 * near**3
+    heads = np.array([[np.cos(first), np.cos(second)], [np.sin(first), np.sin(second)]])
+    points = apart * np.array([[0.0, np.cos(angle)], [0.0, np.sin(angle)]])
+    poses = np.vstack([points - D * heads, [first, second]])
+    (v, w), info = certificate(rng.normal(0.0, 0.3, (2, 2)) * [[1.0], [4.0]], poses)
+    assert info.clearance >= -1e-12
+    poses += STEP * np.stack([v * np.cos(poses[2]), v * np.sin(poses[2]), w])
+    points = poses[:2] + D * np.stack([np.cos(poses[2]), np.sin(poses[2])])
+    assert np.hypot(*(points[:, 0] - points[:, 1])) >= 0.20 - 1e-9
+
+
 @pytest.mark.parametrize("unicycle", [False, True])
 def test_tilting_resolves_an_exact_deadlock_and_stays_certified(unicycle):
     def swap(tilt):
@@ -379,3 +414,42 @@ def test_relaxed_unicycles_stay_within_what_their_motors_can_do(which):
         assert info.status != "optimal" or info.violation <= 1e-9
         poses = poses + STEP * np.stack([v * np.cos(poses[2]), v * np.sin(poses[2]), w])
     assert info.clearance > max(first.clearance, -0.06)
+
+
+def test_the_first_call_says_whether_the_team_starts_unsafe():
+    certificate = SingleIntegratorCertificate(0.2, boundary=ARENA, wall_margin=0.1)
+    still, near = np.zeros((2, 2)), np.array([[0.0, 0.15], [0.0, 0.0]])
+    _, info = certificate(still, near)
+    assert info.unsafe_start
+    assert info.nearest == "robots 0 and 1"
+    assert info.clearance == pytest.approx(-0.05)
+    assert not certificate(still, near)[1].unsafe_start, "said at the first call alone"
+    certificate.reset()
+    assert not certificate(still, 2 * near)[1].unsafe_start
+    assert not certificate(still, near)[1].unsafe_start, "it was safe at the first call"
+    certificate.reset()
+    _, info = certificate(still, 2 * near + [[1.3], [0.0]])
+    assert info.unsafe_start
+    assert info.nearest == "robot 1 and wall +x"
+
+
+def test_walls_have_a_gain_of_their_own():
+    at_wall, fast = np.array([[1.4], [0.0]]), np.array([[0.2], [0.0]])
+
+    def speed(**gains):
+        certificate = SingleIntegratorCertificate(0.2, boundary=ARENA, **gains)
+        return certificate(fast, at_wall)[0][0, 0]
+
+    gap = 1.6 - 1.4 - 0.1
+    assert speed(barrier_gain=100.0) == pytest.approx(0.4 * 100.0 * gap**3)
+    assert speed(barrier_gain=1e4, wall_gain=100.0) == speed(barrier_gain=100.0)
+    with pytest.raises(ParameterError, match="wall_gain"):
+        SingleIntegratorCertificate(wall_gain=-1.0)
+
+
+def test_a_control_run_keeps_walls_and_limits_but_nobody_apart():
+    certificate = SingleIntegratorCertificate(0.2, boundary=ARENA, pair_rows=False)
+    velocity, info = certificate([[0.1, -0.1, 0.2], [0, 0, 0]], [[0, 0.2, 1.4999], [0, 0, 0]])
+    assert velocity[:, :2] == pytest.approx(np.array([[0.1, -0.1], [0, 0]]))
+    assert velocity[0, 2] < 1e-6
+    assert info.nearest == "robot 2 and wall +x"

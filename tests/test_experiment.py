@@ -84,6 +84,20 @@ def test_it_runs_on_either_generation_of_the_api(api, tmp_path, short_run):
     ]
 
 
+def test_a_control_run_is_for_the_simulator_alone(tmp_path):
+    done = run("--duration", "3", "--certificate", "off", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert read_log(tmp_path / "nine_robots").metadata["wheels"]["pair_rows"] is False
+    package = tmp_path / "installed" / "rps"
+    package.mkdir(parents=True)
+    (package / "__init__.py").write_text("")
+    (package / "robotarium.py").write_text("class Robotarium:\n    pass\n")
+    path = f"{ROOT}{os.pathsep}{package.parent}"
+    refused = run("--certificate", "off", cwd=tmp_path, env={"PYTHONPATH": path})
+    assert refused.returncode != 0
+    assert "--certificate off lets robots collide" in refused.stderr
+
+
 def test_an_interrupt_inside_step_ends_cleanly(tmp_path):
     interrupting = f"""
 import runpy, sys

@@ -1,12 +1,14 @@
 """The figures are drawn from a log without a display, and leave no trace in matplotlib."""
 
+from dataclasses import replace
+
 import matplotlib
 import numpy as np
 import pytest
 
 from posflock_robotarium.figures import experiment as figures
 from posflock_robotarium.flocking.errors import LogError
-from posflock_robotarium.flocking.flock import Flock
+from posflock_robotarium.flocking.flock import EXPERIMENT_CERTIFICATE, Flock
 from posflock_robotarium.flocking.placement import random_poses
 from posflock_robotarium.simulation.flock_trial import simulate
 
@@ -50,3 +52,11 @@ def test_a_log_too_short_is_named(log, tmp_path):
 def test_figures_say_what_is_not_the_papers(log):
     for draw in (figures.snapshots, figures.alignment_over_time, figures.distances_and_speeds):
         assert "an addition to the paper's law" in draw(log).get_suptitle()
+
+
+def test_a_control_run_says_so_on_its_figures():
+    certificate = replace(EXPERIMENT_CERTIFICATE, pair_rows=False)
+    start = random_poses(9, np.random.default_rng(0))
+    control = simulate(Flock(certificate=certificate), start, 3.0).log
+    figure = figures.distances_and_speeds(control)
+    assert "control run: nobody is kept apart" in figure.get_suptitle()

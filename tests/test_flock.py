@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from posflock_robotarium.alignment.metrics import heading_vectors, smallest_distance, wall_distance
 from posflock_robotarium.alignment.summary import summarise
 from posflock_robotarium.flocking.errors import ParameterError
-from posflock_robotarium.flocking.flock import EXPERIMENT_CERTIFICATE, Flock, SteeringParameters
+from posflock_robotarium.flocking.flock import EXPERIMENT_CERTIFICATE, Flock
 from posflock_robotarium.flocking.placement import random_poses
 from posflock_robotarium.flocking.pose_log import Log
+from posflock_robotarium.flocking.steering import SteeringParameters
 from posflock_robotarium.simulation.flock_trial import simulate
 
 
@@ -20,11 +22,23 @@ def start_of(seed):
     return random_poses(9, np.random.default_rng(seed))
 
 
+def clearance_of(poses):
+    """Return what look-ahead points have beyond radius and margin, by plain geometry."""
+    certificate = EXPERIMENT_CERTIFICATE
+    points = poses[:, :2] + certificate.projection_distance * heading_vectors(poses)
+    pairs = smallest_distance(points) - certificate.safety_radius
+    walls = wall_distance(points, certificate.boundary) - certificate.wall_margin
+    return np.minimum(pairs, walls)
+
+
 @pytest.mark.parametrize("seed", [0, 7, 13])
 def test_the_acceptance_table_holds(seed):
-    summary = summarise(simulate(Flock(), start_of(seed), 120.0).log)
+    log = simulate(Flock(), start_of(seed), 120.0).log
+    summary = summarise(log)
     assert summary.gamma_headings >= 0.95
-    assert summary.gamma_motion >= 0.85
+    assert summary.gamma_motion >= 0.95
+    assert_allclose(log.clearance, clearance_of(log.poses), atol=1e-12)
+    assert summary.smallest_clearance >= 0.0
     assert summary.mean_speed >= 0.030
     assert summary.smallest_distance >= 0.20
     assert summary.smallest_wall_distance >= 0.12
@@ -33,7 +47,7 @@ def test_the_acceptance_table_holds(seed):
 
 
 def test_without_steering_the_flock_parks_and_headings_do_not_show_it():
-    summary = summarise(simulate(Flock(walls="certificate"), start_of(3), 120.0).log)
+    summary = summarise(simulate(Flock(walls="certificate"), start_of(0), 120.0).log)
     assert summary.gamma_headings > 0.95
     assert summary.mean_speed < 0.02
     assert summary.collisions == summary.steps_outside == 0
@@ -89,8 +103,9 @@ def flock_of(**changes):
 
 
 def test_flocks_of_one_certificate_share_no_memory():
-    assert Flock().certificate == Flock().certificate == EXPERIMENT_CERTIFICATE
-    assert Flock().certificate._memory is not EXPERIMENT_CERTIFICATE._memory
+    knowing_the_step = replace(EXPERIMENT_CERTIFICATE, time_step=0.033)
+    assert Flock().certificate == Flock().certificate == knowing_the_step
+    assert Flock().certificate._memory is not Flock().certificate._memory
 
 
 @pytest.mark.parametrize(
@@ -98,7 +113,14 @@ def test_flocks_of_one_certificate_share_no_memory():
     [
         (lambda: Flock(walls="bounce"), "walls: expected one of steer, certificate"),
         (lambda: Flock(time_step=0.0), "time_step: expected more than 0 s"),
-        (lambda: flock_of(turn_rate_limit=None), "certificate: expected a speed_limit and a turn"),
+        (
+            lambda: flock_of(speed_limit=None, wheel_limit=None),
+            "certificate: expected a speed_limit or a wheel_limit; got none",
+        ),
+        (lambda: flock_of(barrier_gain=1e7), "barrier_gain is 1e.07; steps .* admit [0-9.e+]+ at"),
+        (lambda: flock_of(wall_gain=1e8), "wall_gain is 1e.08; steps .* admit [0-9.e+]+ at most"),
+        (lambda: Flock(neighbour_hysteresis=-0.1), "neighbour_hysteresis: expected from 0"),
+        (lambda: Flock(neighbour_hysteresis=0.75), "less than the radius, 0.75 m; got 0.75"),
         (lambda: flock_of(boundary=None), "certificate: expected a boundary .* got None and 0.11"),
         (lambda: flock_of(wall_margin=None), "certificate: expected .* a wall_margin"),
         (lambda: SteeringParameters(clear=1.0), "clear: expected a cosine"),
@@ -134,6 +156,46 @@ def test_the_number_of_robots_stays():
         flock.step(start_of(0)[:, :4])
 
 
+def test_robots_that_start_too_close_are_named_once():
+    poses = np.array([[0.0, 0.25], [0.0, 0.0], [0.0, np.pi]])  # points 0.15 m apart
+    flock = Flock()
+    with pytest.warns(UserWarning, match="robots 0 and 1 start 50 mm closer than the certificate"):
+        decision = flock.step(poses)
+    assert decision.clearance == pytest.approx(-0.05)
+    flock.step(poses)  # a second warning would be an error
+
+
+def test_a_control_run_keeps_nobody_apart_and_says_how_close_they_came():
+    log = simulate(flock_of(pair_rows=False), start_of(0), 60.0).log
+    assert log.metadata["wheels"]["pair_rows"] is False
+    assert_allclose(log.clearance, clearance_of(log.poses), atol=1e-12)
+    meeting = np.array([[0.0, 0.3], [0.0, 0.0], [0.0, np.pi]])  # the law draws both together
+    law_alone, certified = (
+        simulate(flock, meeting, 20.0).log for flock in (flock_of(pair_rows=False), Flock())
+    )
+    assert law_alone.clearance.min() < -0.05
+    assert certified.clearance.min() >= 0.0
+
+
+def test_interventions_count_from_a_millimetre_a_second():
+    run = simulate(Flock(), start_of(0), 3.0).log
+    moved = np.zeros(len(run.t))
+    moved[:10], moved[10:20] = 1.1e-3, 0.9e-3
+    summary = summarise(replace(run, moved=moved))
+    assert summary.share_intervened == pytest.approx(10 / len(moved))
+    assert summary.largest_intervention == 1.1e-3
+
+
+def test_what_a_log_does_not_say_stays_unknown():
+    run = simulate(Flock(), start_of(0), 3.0).log
+    unknown = np.full(len(run.t), math.nan)
+    summary = summarise(replace(run, moved=unknown, clearance=unknown))
+    numbers = summary.as_dict()
+    for name in ("smallest_clearance", "share_intervened", "largest_intervention"):
+        assert numbers[name] is None
+    assert "smallest clearance       unknown" in str(summary)
+
+
 def test_a_summary_in_which_nothing_moved_is_valid_json():
     rows = 100
     log = Log(
@@ -142,7 +204,7 @@ def test_a_summary_in_which_nothing_moved_is_valid_json():
         commands=np.zeros((rows, 2, 9)),
         status=np.full(rows, "trivial"),
         moved=np.zeros(rows),
-        smallest_h=np.zeros(rows),
+        clearance=np.zeros(rows),
         metadata={"neighbour_radius": 0.75, "time_step": 0.033},
     )
     numbers = summarise(log).as_dict()

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from posflock_robotarium.flocking.errors import LogError, OutputError, ParameterError
-from posflock_robotarium.flocking.pose_log import PoseLog, read_log
+from posflock_robotarium.flocking.pose_log import PoseLog, read_log, row_type
 
 
 def fill(log, rows, robots=3):
@@ -40,6 +40,23 @@ def test_a_log_grows_beyond_what_was_asked_for(tmp_path):
         fill(log, 25, robots=2)
     back = read_log(tmp_path / "run.json")
     assert np.array_equal(back.poses[:, 0, 0], np.arange(25))
+
+
+def test_without_a_certificate_nobody_knows_what_it_did(tmp_path):
+    with PoseLog(tmp_path / "run", 2, 3) as log:
+        log.append(0.0, np.zeros((3, 2)), np.zeros((2, 2)))
+    back = read_log(tmp_path / "run")
+    assert np.isnan(back.moved).all()
+    assert np.isnan(back.clearance).all()
+
+
+def test_an_earlier_log_has_no_clearance(tmp_path):
+    earlier = np.zeros(
+        4, [("smallest_h" if n == "clearance" else n, *f) for n, *f in row_type(2).descr]
+    )
+    earlier["t"] = 0.033 * np.arange(4)
+    np.save(tmp_path / "run.npy", earlier)
+    assert np.isnan(read_log(tmp_path / "run").clearance).all()
 
 
 def test_a_killed_process_has_lost_nothing(tmp_path):

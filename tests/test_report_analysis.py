@@ -295,14 +295,32 @@ def test_the_certificates_interventions_are_counted():
         pair(np.full(120, 0.3)),
         command=np.zeros((120, 2, 2)),
         moved=np.where(np.arange(120) < 30, 0.02, 0.0),
-        smallest_h=np.linspace(0.1, 0.01, 120),
+        clearance=np.linspace(0.1, 0.01, 120),
         status=np.array(["relaxed"] * 3 + ["optimal"] * 117),
     )
     numbers = analyse(recording, radius=0.75).numbers
     assert numbers["interventions"].value == 0.25
     assert numbers["intervention_mean"].value == pytest.approx(0.02)
-    assert numbers["smallest_h"].value == pytest.approx(0.01)
+    assert numbers["clearance"].value == pytest.approx(0.01)
     assert numbers["unsolved"].value == 3
+
+
+def test_an_unsafe_start_is_said_with_the_safety():
+    recording = dataclasses.replace(
+        pair(np.full(120, 0.3)), clearance=np.linspace(-0.02, 0.01, 120)
+    )
+    analysis = analyse(recording, radius=0.75)
+    assert analysis.numbers["clearance_first"].value == pytest.approx(-0.02)
+    assert "It started 20 mm closer than the certificate keeps" in verdict(analysis, "safe").because
+
+
+def test_a_log_without_a_certificate_says_nothing_of_one():
+    nothing = np.full(120, np.nan)
+    recording = dataclasses.replace(
+        pair(np.full(120, 0.3)), moved=nothing, clearance=nothing, status=np.full(120, "none")
+    )
+    numbers = analyse(recording, radius=0.75).numbers
+    assert not {"interventions", "clearance", "clearance_first", "unsolved"} & set(numbers)
 
 
 def test_a_flock_that_parts_is_not_together():

@@ -66,7 +66,7 @@ def test_a_converted_log_reports_the_same_without_being_told_more(tmp_path, endi
         for k, t in enumerate(flock.t):
             command = np.full((2, flock.robots), 0.1)
             status = ("trivial", "optimal", "relaxed")[k % 3]
-            writer.append(t, flock.poses[k], command, status=status, moved=k * 1e-4, smallest_h=0.1)
+            writer.append(t, flock.poses[k], command, status=status, moved=k * 1e-4, clearance=0.1)
         writer.close("interrupted", "a human")
     original = analyse(tmp_path / "run.npy")
     again = analyse(convert(original.recording, tmp_path / f"run.{ending}"))

@@ -280,6 +280,10 @@ def every_filter():
 FILTERS = pytest.mark.parametrize(("create", "generation", "unicycles"), list(every_filter()))
 
 
+STARTS_UNSAFE = pytest.mark.filterwarnings("ignore:the first call of a certificate")
+
+
+@STARTS_UNSAFE
 @FILTERS
 def test_no_certificate_changes_its_arguments(create, generation, unicycles):
     commands, poses = facing_pair()
@@ -336,6 +340,18 @@ def test_robots_that_overlap_part_with_a_warning_or_an_answer(create, generation
     assert np.abs(safe).max() > 0
 
 
+def test_the_first_call_says_what_starts_unsafe():
+    certificate = second.create_si_barrier_certificate(safety_radius=0.2)
+    near = np.array([[0.0, 0.15], [0.0, 0.0]])
+    with pytest.warns(UserWarning, match=r"finds robots 0 and 1 50 mm nearer already than it lets"):
+        certificate(np.zeros((2, 2)), near)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        certificate(np.zeros((2, 2)), near)  # said once
+        second.create_si_barrier_certificate(safety_radius=0.2)(np.zeros((2, 2)), 2 * near)
+
+
+@STARTS_UNSAFE
 def test_the_warning_names_who_cannot_be_kept_safe():
     outside = np.array([[2.5, 0.0], [0.0, 0.0]])
     certificate = second.create_si_barrier_certificate_with_boundary()
@@ -344,6 +360,7 @@ def test_the_warning_names_who_cannot_be_kept_safe():
     assert safe[0, 0] == pytest.approx(-0.2 * np.cos(np.pi / 8))
 
 
+@STARTS_UNSAFE
 def test_a_single_robot_has_walls_and_limits_in_generation_2():
     at_wall = np.array([[1.5], [0.0], [0.0]])
     command = np.array([[0.3], [0.0]])
@@ -446,6 +463,7 @@ def test_robots_may_have_to_part_faster_than_any_robot():
     certificate = first.create_single_integrator_barrier_certificate2()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
+        warnings.filterwarnings("ignore", "the first call of a certificate")
         safe = certificate(velocities, x)
     assert np.abs(safe).max() > 100
     optimum = Program(x, clipped(velocities, 0.2)).pairs(0.17, 100, 1e6).solve()

@@ -41,6 +41,10 @@ class ProjectionInfo:
     smallest_h : float
         The barrier h of what has that clearance (see `nearest`): ‖D‖² − r² in m² for a pair or an
         obstacle, the distance less the margin in m for a wall.
+    unsafe_start : bool
+        Whether this was a certificate's first call, or the first since `reset`, and found the team
+        unsafe already (clearance below zero). The guarantee h ≥ 0 starts from h ≥ 0: until the
+        team has become safe, it says nothing.
     binding : integer array
         Indices of the rows that bind.
     broken : integer array
@@ -62,6 +66,7 @@ class ProjectionInfo:
     intervention: float = 0.0
     clearance: float = math.inf
     smallest_h: float = math.inf
+    unsafe_start: bool = False
     binding: IntArray = field(default_factory=lambda: NO_ROWS, repr=False)
     broken: IntArray = field(default_factory=lambda: NO_ROWS, repr=False)
     stuck: IntArray = field(default_factory=lambda: NO_ROWS)

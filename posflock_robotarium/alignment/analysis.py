@@ -194,7 +194,7 @@ class Analysis:
             "poses": recording.poses,
             "analysis": np.frombuffer(json.dumps(self.summary()).encode(), dtype=np.uint8),
         }
-        for name in ("command", "moved", "smallest_h", "status"):
+        for name in ("command", "moved", "clearance", "status"):
             values = getattr(recording, name)
             if values is not None:
                 arrays[name] = values
@@ -299,7 +299,7 @@ def load(path: str | os.PathLike[str]) -> Analysis:
             poses=arrays["poses"],
             command=arrays.get("command"),
             moved=arrays.get("moved"),
-            smallest_h=arrays.get("smallest_h"),
+            clearance=arrays.get("clearance"),
             status=arrays.get("status"),
             parameters=summary["parameters"],
             notes=tuple(summary["how_it_was_read"]),

@@ -202,10 +202,11 @@ QUANTITIES: tuple[Quantity, ...] = (
         "largest",
     ),
     Quantity(
-        "smallest_h",
-        "smallest barrier value",
-        "m²",
-        "Barrier value of what was nearest to being unsafe; negative where a safe set was left.",
+        "clearance",
+        "clearance of the certificate",
+        "m",
+        "Distance beyond what the certificate keeps between look-ahead points and from walls; "
+        "negative where the team is unsafe.",
         "smallest",
     ),
 )
@@ -272,5 +273,6 @@ def panels(collision: float) -> tuple[Panel, ...]:
         ),
         Panel("heading", "Heading of the flock", "rad", ("heading",)),
         Panel("certificate", "Certificate", "m/s", ("moved",), (0.0, None)),
+        Panel("clearance", "Clearance", "m", ("clearance",), (None, None), ((0.0, "unsafe"),)),
         Panel("wheels", "Fastest wheel", "rad/s", ("fastest_wheel",), (0.0, None)),
     )

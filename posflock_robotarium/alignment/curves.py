@@ -118,9 +118,9 @@ def compute(
         )
     if recording.moved is not None:
         values["moved"] = recording.moved
-    if recording.smallest_h is not None and np.isfinite(recording.smallest_h).any():
-        values["smallest_h"] = np.where(
-            np.isfinite(recording.smallest_h), recording.smallest_h, np.nan
+    if recording.clearance is not None and np.isfinite(recording.clearance).any():
+        values["clearance"] = np.where(
+            np.isfinite(recording.clearance), recording.clearance, np.nan
         )
     return Curves(values, violations, speeds)
 

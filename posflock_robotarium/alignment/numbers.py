@@ -12,13 +12,11 @@ from numpy.typing import NDArray
 from barrier_certificates import ties
 from posflock_robotarium.alignment.curves import Curves
 from posflock_robotarium.alignment.estimators import expected_bias, tracking_noise
+from posflock_robotarium.flocking.pose_log import INTERVENED
 from posflock_robotarium.logs.readers import Recording
 from rps_compat.arena import RobotModel
 
 Floats = NDArray[np.float64]
-
-INTERVENED = 1e-6
-"""m/s by which the certificate must move a velocity to count as an intervention."""
 
 FEWEST_COUNTED = 0.005
 """Share of robots and time that a mean γ must rest on, lest noise speak for a parked flock."""
@@ -370,33 +368,43 @@ def _safety(s: Situation, add: _Add) -> None:
 
 def _certificate(s: Situation, add: _Add) -> None:
     r = s.recording
-    if r.moved is None:
-        return
-    intervened = r.moved > INTERVENED
-    add(
-        "interventions",
-        "steps in which the certificate intervened",
-        float(intervened.mean()),
-        "share",
-        f"Steps in which it moved a velocity by more than {INTERVENED:g} m/s.",
-    )
-    add(
-        "intervention_mean",
-        "mean intervention",
-        float(r.moved[intervened].mean()) if intervened.any() else 0.0,
-        "m/s",
-        "Mean over those steps of the largest change of a robot's velocity.",
-    )
-    add("intervention_largest", "largest intervention", float(r.moved.max()), "m/s", "Whole run.")
-    if "smallest_h" in s.curves.values:
+    if r.moved is not None and np.isfinite(r.moved).any():
+        moved = r.moved[np.isfinite(r.moved)]
+        intervened = ties.beyond(moved, INTERVENED)
         add(
-            "smallest_h",
-            "smallest barrier value",
-            float(np.nanmin(s.curves.values["smallest_h"])),
-            "m²",
-            "Whole run; negative where a safe set was left.",
+            "interventions",
+            "steps in which the certificate intervened",
+            float(intervened.mean()),
+            "share",
+            f"Steps in which it changed a velocity by more than {1e3 * INTERVENED:g} mm/s.",
         )
-    if r.status is not None:
+        add(
+            "intervention_mean",
+            "mean intervention",
+            float(moved[intervened].mean()) if intervened.any() else 0.0,
+            "m/s",
+            "Mean over those steps of the largest change of a robot's velocity.",
+        )
+        add("intervention_largest", "largest intervention", float(moved.max()), "m/s", "Whole run.")
+    if "clearance" in s.curves.values:
+        add(
+            "clearance",
+            "smallest clearance",
+            float(np.nanmin(s.curves.values["clearance"])),
+            "m",
+            "Distance beyond what the certificate keeps between look-ahead points and from walls, "
+            "whole run; negative where it was not kept.",
+        )
+        first = float(s.curves.values["clearance"][0])
+        if np.isfinite(first):
+            add(
+                "clearance_first",
+                "clearance at the start",
+                first,
+                "m",
+                "Negative: the run started unsafe, so that the certificate guarantees nothing.",
+            )
+    if r.status is not None and not (r.status == "none").all():
         unsolved = int(np.isin(r.status, ("relaxed", "failed")).sum())
         add(
             "unsolved",

@@ -11,7 +11,7 @@ import numpy as np
 from barrier_certificates import ties
 from posflock_robotarium.alignment import metrics
 from posflock_robotarium.flocking.errors import LogError
-from posflock_robotarium.flocking.pose_log import Log
+from posflock_robotarium.flocking.pose_log import INTERVENED, Log
 
 #: Seconds after which the flock should have aligned: means are taken from here on.
 SETTLED = 20.0
@@ -39,9 +39,12 @@ class Summary:
     collisions, steps_outside, steps_infeasible : int
         Pairs in collision summed over steps; steps with a centre outside the arena; steps
         whose certificate was not solved as it stands.
+    smallest_clearance : float
+        Least distance beyond what the certificate keeps, between look-ahead points and from walls,
+        m; negative where the team was unsafe.  As the certificate saw it; NaN where it is unknown.
     share_intervened, largest_intervention : float
-        Share of steps in which the certificate moved a velocity by over 1e-6 m/s, and by how
-        much at most, m/s.
+        Share of steps in which the certificate changed a velocity by more than 1 mm/s, and by how
+        much at most, m/s; NaN without a certificate.
     ended : str
         How the run ended.
     """
@@ -57,6 +60,7 @@ class Summary:
     collisions: int
     steps_outside: int
     steps_infeasible: int
+    smallest_clearance: float
     share_intervened: float
     largest_intervention: float
     ended: str
@@ -81,8 +85,9 @@ class Summary:
                 f"  fastest wheel            {self.fastest_wheel:.1f} rad/s",
                 f"  collisions {self.collisions}, steps outside {self.steps_outside},"
                 f" infeasible certificates {self.steps_infeasible}",
-                f"  certificate intervened   {self.share_intervened:.0%} of steps,"
-                f" by {self.largest_intervention:.3f} m/s at most",
+                f"  smallest clearance       {_told(self.smallest_clearance, '.3f', ' m')}",
+                f"  certificate intervened   {_told(self.share_intervened, '.1%', ' of steps')},"
+                f" by {_told(self.largest_intervention, '.3f', ' m/s')} at most",
             ]
         )
 
@@ -131,13 +136,26 @@ def summarise(log: Log, radius: float | None = None, settled: float = SETTLED) -
         collisions=int(metrics.colliding_pairs(log.poses).sum()),
         steps_outside=int(ties.short_of(walls, 0.0).sum()),
         steps_infeasible=int(np.isin(log.status, ("relaxed", "failed")).sum()),
-        share_intervened=float((log.moved > 1e-6).mean()),
-        largest_intervention=float(log.moved.max()),
+        smallest_clearance=_least(log.clearance),
+        share_intervened=_mean(
+            np.where(np.isnan(log.moved), np.nan, ties.beyond(log.moved, INTERVENED))
+        ),
+        largest_intervention=-_least(-log.moved),
         ended=str(log.metadata.get("ended", {}).get("how", "unknown")),
     )
 
 
-def _mean(gamma: metrics.Floats) -> float:
-    """Return the mean over the instants at which γ is defined; NaN where it never is."""
-    known = gamma[~np.isnan(gamma)]
+def _mean(values: metrics.Floats) -> float:
+    """Return the mean over the instants at which a value is defined; NaN where it never is."""
+    known = values[~np.isnan(values)]
     return float(known.mean()) if known.size else float("nan")
+
+
+def _least(values: metrics.Floats) -> float:
+    """Return the least of the values that are known; NaN where none is."""
+    known = values[~np.isnan(values)]
+    return float(known.min()) if known.size else float("nan")
+
+
+def _told(value: float, form: str, unit: str) -> str:
+    return "unknown" if math.isnan(value) else f"{value:{form}}{unit}"

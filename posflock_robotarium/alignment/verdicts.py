@@ -216,6 +216,11 @@ def _safe(v: Mapping[str, float]) -> Verdict:
             f"Centres never closer than {v['smallest_distance']:.3f} m, collision points "
             f"{v['smallest_collision_distance']:.3f} m. {because}"
         )
+    if ties.short_of(v.get("clearance_first", 0.0), 0.0):
+        because += (
+            f" It started {1e3 * -v['clearance_first']:.0f} mm closer than the certificate keeps: "
+            "until that was made good, it guaranteed nothing."
+        )
     faults = " and ".join(f"{n} {word}{'s' if n > 1 else ''}" for n, word in counts if n)
     if faults:
         return Verdict(question, "bad", f"No: {faults}.", because, f"unsafe: {faults}")

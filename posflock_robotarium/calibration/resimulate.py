@@ -45,8 +45,8 @@ def read_commanded(path: Path | str) -> Log:
         poses=run.poses,
         commands=run.command,
         status=np.full(rows, "none") if run.status is None else run.status,
-        moved=np.zeros(rows) if run.moved is None else run.moved,
-        smallest_h=np.full(rows, math.nan) if run.smallest_h is None else run.smallest_h,
+        moved=np.full(rows, math.nan) if run.moved is None else run.moved,
+        clearance=np.full(rows, math.nan) if run.clearance is None else run.clearance,
         metadata=dict(run.parameters),
     )
 
@@ -82,7 +82,7 @@ def resimulate(log: Log, profile: Profile, seed: int = 0) -> Log:
         arena.commands = np.array(command)
         arena.step()
     known = {**log.metadata, "resimulated_with": profile.name, "seed": seed, "time_step": dt}
-    return Log(log.t, poses, log.commands, log.status, log.moved, log.smallest_h, known)
+    return Log(log.t, poses, log.commands, log.status, log.moved, log.clearance, known)
 
 
 def write_log(log: Log, path: Path) -> Path:

@@ -165,9 +165,11 @@ def distances_and_speeds(log: Log) -> Figure:
 
 
 def _say_walls(figure: Figure, log: Log) -> None:
-    """Say above a figure what kept the flock off the walls, where the log tells."""
+    """Say above a figure what kept the flock off the walls and apart, where the log tells."""
     words = WALLS.get(log.metadata.get("walls", ""))
     if words is not None:
+        if log.metadata.get("wheels", {}).get("pair_rows") is False:
+            words += "; control run: nobody is kept apart"
         figure.suptitle(f"walls: {words}", fontsize=6, color="#555555", x=0.995, ha="right")
 
 

@@ -1,42 +1,43 @@
 r"""The flocking law on wheels: poses in, unicycle commands out, once a step.
 
 The law moves double integrators; a robot is a unicycle that cannot go sideways.  The
-bridge is the *projection point* :math:`q_i = p_i + d\,e(\theta_i)`, a point d ahead of the
-axle that can be driven in any direction, :math:`\dot q = v\,e + d\,\omega\,e^\perp`.  Once
-a step, in this order:
+bridge is the *look-ahead point* :math:`q_i = p_i + d\,e(\theta_i)` (the Robotarium's
+projection point), a point d ahead of the axle that can be driven in any direction,
+:math:`\dot q = v\,e + d\,\omega\,e^\perp`.  Once a step, in this order:
 
 0.  the poses by the commands sent, corrected slowly by those that are tracked
     (`pose_filter`): robots answer late, and the law would amplify the delay; in the ideal
     simulator this changes nothing;
-1.  the law at the projection points, with the imprint of the first poses that were read;
-2.  *arena steering*, which is ours and not the paper's: see below;
+1.  the law at the look-ahead points, with the imprint of the first poses that were read,
+    and with neighbours found by `neighbour_memory`;
+2.  *arena steering* (`steering`), which is ours and not the paper's;
 3.  the virtual velocity, :math:`w \leftarrow \mathrm{sat}(w + \Delta t\,u)`;
 4.  w scaled into the robot's limits with its direction kept, then the nearest velocity
     that the barrier certificate admits;
-5.  :math:`v = \dot q\cdot e,\ \omega = \dot q\cdot e^\perp/d`, and **the velocity that is
+5.  the command that gives the look-ahead point that velocity, and **the velocity that is
     really sent is fed back**, :math:`w \leftarrow \dot q`.
 
 The feedback is what makes it work: a virtual velocity that is integrated open loop winds
 up against the limits.  So is the scaling: a certificate alone would cut the sideways part
 only, and drive robots off their course.
 
-The paper's flock drifts at about 0.05 m/s and meets a wall of the arena within half a
-minute.  There the certificate parks it: headings stay parallel, so γ from headings still
-reads 0.997, while nothing moves.  Steering turns the flock's common velocity away from the
-wall and leaves all relative motion alone.  ``walls="certificate"`` is the paper's law with
-the certificate and nothing else.
+With ``walls="certificate"`` nothing is steered, and with ``neighbour_hysteresis=0`` besides it is
+the paper's law with the certificate and nothing else.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass, fields, replace
+import warnings
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from barrier_certificates import ties
+from barrier_certificates.guarantee import largest_gain, largest_wall_gain
+from barrier_certificates.rows import VelocityPolygon
 from barrier_certificates.unicycle import UnicycleCertificate
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.law import (
@@ -46,53 +47,31 @@ from posflock_robotarium.flocking.law import (
     position_based_input,
     saturate,
 )
+from posflock_robotarium.flocking.neighbour_memory import NeighbourMemory
 from posflock_robotarium.flocking.pose_filter import PoseFilter, PoseFilterParameters
+from posflock_robotarium.flocking.steering import ArenaSteering, SteeringParameters
 
 Floats = NDArray[np.float64]
 
 #: What may keep the flock off the walls, and how figures and reports say it.
 WALLS = {
     "steer": "arena steering, an addition to the paper's law",
-    "certificate": "the paper's law and the certificate alone",
+    "certificate": "the law and the certificate, no steering",
 }
 
-
-#: The robots of the paper's experiment in their arena, and what keeps them apart: 0.17 m between
-#: centres, and a projection distance on either side; limits as in its Section "Experiment".
+#: The robots of the paper's experiment in their arena, and what keeps them apart; limits as in its
+#: Section "Experiment".  0.20 m between look-ahead points, 5 cm ahead of the axle, leaves 0.15 m
+#: between the points 2.5 cm ahead that the testbed's collision test looks at (0.135 m).  The law's
+#: own formations are wider, so that the certificate has nothing to do once they stand.
 EXPERIMENT_CERTIFICATE = UnicycleCertificate(
-    safety_radius=0.27,
+    safety_radius=0.20,
+    barrier_gain=2000.0,
+    wall_gain=100.0,
     boundary=(-1.6, 1.6, -1.0, 1.0),
     wall_margin=0.11,
     speed_limit=0.15,
     turn_rate_limit=0.55,
 )
-
-
-@dataclass(frozen=True)
-class SteeringParameters:
-    """How the flock's common velocity is turned away from a wall.
-
-    Attributes
-    ----------
-    start : float
-        Seconds from the imprint before steering may begin: the first transient is the law's.
-    reach : float
-        Metres from the wall margin at which a robot calls for steering.
-    turn_rate : float
-        rad/s by which the common velocity turns.
-    clear : float
-        Cosine between common velocity and the way inward at which turning stops.
-    """
-
-    start: float = 3.0
-    reach: float = 0.18
-    turn_rate: float = 0.45
-    clear: float = 0.2
-
-    def __post_init__(self) -> None:
-        _all_positive(self, except_for=("clear",))
-        if not -1.0 < self.clear < 1.0:
-            raise ParameterError(f"clear: expected a cosine between -1 and 1, got {self.clear}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,8 +86,11 @@ class FlockStep:
         What the certificate said: trivial, optimal, relaxed or failed.
     intervention : float
         How far it changed a robot's velocity at most, m/s.
-    smallest_h : float
-        The barrier of what is nearest to being unsafe: m² for a pair, m for a wall.
+    clearance : float
+        How far the team is from being unsafe, m: the least over pairs of look-ahead points of their
+        distance less the safety radius, and over walls of the distance less the margin.
+    active : tuple of str
+        What bound: ``"robots 3 and 7"``, ``"robot 0 and wall +x"``, …
     turning : float
         By how much arena steering turned the common velocity in this step, rad.
     """
@@ -116,7 +98,8 @@ class FlockStep:
     command: Floats
     status: str
     intervention: float
-    smallest_h: float
+    clearance: float
+    active: tuple[str, ...]
     turning: float
 
     def logged(self) -> dict[str, Any]:
@@ -125,7 +108,7 @@ class FlockStep:
             "command": self.command,
             "status": self.status,
             "moved": self.intervention,
-            "smallest_h": self.smallest_h,
+            "clearance": self.clearance,
         }
 
 
@@ -139,17 +122,26 @@ class Flock:
     time_step : float
         Seconds between calls.
     walls : {"steer", "certificate"}
-        Whether the flock is steered away from walls, or the paper's law is left alone with
-        the certificate.
+        Whether the flock is steered away from walls, or the law is left alone with the
+        certificate.
     certificate : UnicycleCertificate, optional
-        The robots and their arena, a rectangle; the flock asks a copy of its own.
+        The robots and their arena, a rectangle.  The flock asks a copy of its own, which knows the
+        time step.  One with ``pair_rows=False`` makes a control run: what the law does on its own.
     steering, filtering : SteeringParameters, PoseFilterParameters
         How to steer; how far tracked poses are believed.
+    neighbour_hysteresis : float
+        See `neighbour_memory.NeighbourMemory`, metres; 0 is the paper's rule.
 
     Raises
     ------
     ParameterError
-        Where a parameter is not admissible.
+        Where a parameter is not admissible, or a gain of the certificate is too large for the time
+        step to keep robots apart.
+
+    Warns
+    -----
+    UserWarning
+        At the first step, where robots start closer than the certificate keeps them.
 
     Examples
     --------
@@ -168,6 +160,7 @@ class Flock:
         certificate: UnicycleCertificate = EXPERIMENT_CERTIFICATE,
         steering: SteeringParameters | None = None,
         filtering: PoseFilterParameters | None = None,
+        neighbour_hysteresis: float = 0.15,
     ) -> None:
         if walls not in WALLS:
             raise ParameterError(f"walls: expected one of {', '.join(WALLS)}; got {walls!r}")
@@ -178,9 +171,13 @@ class Flock:
         self.walls = walls
         self.steering = steering or SteeringParameters()
         self.filter = PoseFilter(filtering or PoseFilterParameters(), time_step)
-        self.certificate = replace(certificate)  # with a memory of its own
-        self._limits = _speed_limits(certificate)
-        self._arena, self._margin = _arena(certificate)
+        if certificate.speed_limit is None and certificate.wheel_limit is None:
+            raise ParameterError("certificate: expected a speed_limit or a wheel_limit; got none")
+        self.certificate = replace(certificate, time_step=time_step)  # with a memory of its own
+        self._limits = _limits_of(self.certificate)
+        self._all_rows = replace(self.certificate, pair_rows=True)
+        self._neighbours = NeighbourMemory(law.radius, neighbour_hysteresis)
+        self._steering = ArenaSteering(self.steering, *_arena(certificate), time_step)
         self.reset()
 
     def reset(self) -> None:
@@ -188,8 +185,8 @@ class Flock:
         self._steps = 0
         self._imprint: Floats | None = None
         self._velocity: Floats | None = None
-        self._angle = 0.0
-        self._turn = 0.0
+        self._neighbours.reset()
+        self._steering.reset()
         self.filter.reset()
         self.certificate.reset()
 
@@ -203,7 +200,8 @@ class Flock:
             "steering": asdict(self.steering) if self.walls == "steer" else None,
             "filtering": asdict(self.filter.parameters),
             "neighbour_radius": self.law.as_dict()["radius"],
-            "arena": list(self._arena),
+            "neighbour_hysteresis": self._neighbours.hysteresis,
+            "arena": list(self._steering.arena),
         }
 
     def steps_in(self, duration: float) -> int:
@@ -235,61 +233,52 @@ class Flock:
         """
         x = self.filter.update(self._checked(poses))
         ahead = np.array([np.cos(x[2]), np.sin(x[2])])
-        beside = np.array([-ahead[1], ahead[0]])
-        d = self.certificate.projection_distance
-        points = x[:2] + d * ahead
+        points = x[:2] + self.certificate.projection_distance * ahead
         if self._imprint is None or self._velocity is None:
             self._imprint = displacements(points)
             self._velocity = np.zeros_like(points)
         self._steps += 1
         time = self._steps * self.time_step
 
-        u = saturate(
-            position_based_input(points, self._imprint, time, self.law), self.law.input_limit
-        )
-        w = self._velocity
-        turning = 0.0
-        if self.walls == "steer" and ties.beyond(time, self.steering.start):
-            turning = self._turning(points, w)
-            self._angle += turning
-            u = u + _turned(u.mean(axis=1), self._angle)
-            w = w + _turned(w.mean(axis=1), turning)
+        linked = self._neighbours.update(points)
+        law = position_based_input(points, self._imprint, time, self.law, detected=linked)
+        u, w, turning = saturate(law, self.law.input_limit), self._velocity, 0.0
+        if self.walls == "steer":
+            u, w, turning = self._steering.steer(time, points, u, w)
         w = saturate(w + self.time_step * u, self.law.speed_limit)
 
-        forward, sideways = (w * ahead).sum(axis=0), (w * beside).sum(axis=0)
-        fastest, widest = self._limits
-        excess = np.maximum(np.abs(forward) / fastest, np.abs(sideways) / widest)
-        applied, info = self.certificate.project(w / np.maximum(1.0, excess), x)
+        applied, info = self.certificate.project(self._within_limits(w, ahead), x)
+        if info.unsafe_start:
+            warnings.warn(
+                f"{info.nearest} start {1e3 * -info.clearance:.3g} mm closer than the certificate"
+                " keeps them: it guarantees nothing until they are apart",
+                stacklevel=2,
+            )
         self._velocity = applied
-        command = np.array([(applied * ahead).sum(axis=0), (applied * beside).sum(axis=0) / d])
+        command = self.certificate.commands(applied, x)
         self.filter.moved(command)
         return FlockStep(
             command=command,
             status=info.status,
             intervention=info.intervention,
-            smallest_h=info.smallest_h,
+            clearance=info.clearance if self.certificate.pair_rows else self._clearance(x),
+            active=info.active,
             turning=turning,
         )
 
-    def _turning(self, points: Floats, velocity: Floats) -> float:
-        """Return by how much to turn the common velocity now, rad, away from near walls."""
-        left, right, bottom, top = self._arena
-        x, y = points
-        gaps = np.array([x.min() - left, right - x.max(), y.min() - bottom, top - y.max()])
-        call = np.maximum(0.0, self.steering.reach - (gaps - self._margin))
-        inward = (call[0] - call[1], call[2] - call[3])
-        common = velocity.mean(axis=1)
-        along = common[0] * inward[0] + common[1] * inward[1]
-        lengths = math.hypot(*common) * math.hypot(*inward)
-        clear = lengths > 0.0 and along >= self.steering.clear * lengths
-        if clear or not ties.beyond(call, 0.0).any():
-            self._turn = 0.0
-        elif self._turn == 0.0:
-            # Latched until the flock is clear: a corner must not make it dither.
-            across = common[0] * inward[1] - common[1] * inward[0]
-            # Straight at a wall, both ways are as good.
-            self._turn = 1.0 if ties.reached(across, 0.0) else -1.0
-        return self._turn * self.steering.turn_rate * self.time_step
+    def _within_limits(self, velocity: Floats, ahead: Floats) -> Floats:
+        """Return velocities (2, N) shortened to what the motors can do, their directions kept."""
+        beside = np.array([-ahead[1], ahead[0]])
+        body = np.array([(velocity * ahead).sum(axis=0), (velocity * beside).sum(axis=0)])
+        share = (self._limits.normals.T @ body / self._limits.bounds[:, None]).max(axis=0)
+        shortened: Floats = velocity / np.maximum(1.0, share)
+        return shortened
+
+    def _clearance(self, poses: Floats) -> float:
+        """Return the clearance of a team that nobody keeps apart."""
+        left, right, _, _ = self._steering.arena
+        # Nobody is farther than half the arena's width from every wall: something is within it.
+        return self._all_rows.margins(poses, within=right - left)[0].clearance
 
     def _checked(self, poses: ArrayLike) -> Floats:
         try:
@@ -315,32 +304,30 @@ class Flock:
         return x
 
 
-def _turned(common: Floats, angle: float) -> Floats:
-    """Return (R(angle) − I)·common as a column that adds to every robot's vector."""
-    cosine, sine = math.cos(angle) - 1.0, math.sin(angle)
-    return np.array(
-        [
-            [cosine * common[0] - sine * common[1]],
-            [sine * common[0] + cosine * common[1]],
-        ]
-    )
-
-
-def _speed_limits(certificate: UnicycleCertificate) -> tuple[float, float]:
-    """Return how fast a projection point moves ahead and sideways at most, m/s."""
-    if certificate.speed_limit is None or certificate.turn_rate_limit is None:
-        raise ParameterError(
-            "certificate: expected a speed_limit and a turn_rate_limit, which virtual velocities"
-            f" are scaled to; got {certificate.speed_limit} and {certificate.turn_rate_limit}"
-        )
-    return (
-        certificate.speed_limit,
-        certificate.projection_distance * certificate.turn_rate_limit,
-    )
+def _limits_of(certificate: UnicycleCertificate) -> VelocityPolygon:
+    """Return what the motors can do, in the body frame; refuse gains beyond the time step."""
+    limits, step = certificate.polygon(), certificate.time_step
+    assert limits is not None  # a certificate that knows its time step has limits
+    speed = limits.top_speed()
+    wall_gain = certificate.barrier_gain if certificate.wall_gain is None else certificate.wall_gain
+    for name, gain, largest in (
+        (
+            "barrier_gain",
+            certificate.barrier_gain,
+            largest_gain(certificate.safety_radius, speed, step),
+        ),
+        ("wall_gain", wall_gain, largest_wall_gain(speed, step)),
+    ):
+        if gain > largest:
+            raise ParameterError(
+                f"certificate: {name} is {gain:g}; steps of {step:g} s at {speed:.3g} m/s admit"
+                f" {largest:.3g} at most, or robots may pass through what keeps them apart"
+            )
+    return limits
 
 
 def _arena(certificate: UnicycleCertificate) -> tuple[tuple[float, float, float, float], float]:
-    """Return the arena and how far inside it projection points stay, m."""
+    """Return the arena and how far inside it look-ahead points stay, m."""
     boundary, margin = certificate.boundary, certificate.wall_margin
     if boundary is None or len(boundary) != 4 or margin is None:
         raise ParameterError(
@@ -348,10 +335,3 @@ def _arena(certificate: UnicycleCertificate) -> tuple[tuple[float, float, float,
             f" wall_margin, which the flock is steered by; got {boundary} and {margin}"
         )
     return boundary, margin
-
-
-def _all_positive(parameters: Any, except_for: tuple[str, ...]) -> None:
-    for field in fields(parameters):
-        value = getattr(parameters, field.name)
-        if field.name not in except_for and not (math.isfinite(value) and value > 0.0):
-            raise ParameterError(f"{field.name}: expected finite and more than zero, got {value!r}")

@@ -19,8 +19,8 @@ field of a row          type          meaning
                                       relaxed, failed, or none without a certificate
 ``moved``               float64       its intervention: how far it changed a velocity at most,
                                       m/s
-``smallest_h``          float64       barrier value of what is nearest to being unsafe: m² of a
-                                      pair, m of a wall (NaN without a certificate)
+``clearance``           float64       how far the team is from being unsafe, m: the least distance
+                                      beyond what the certificate keeps (NaN for both without one)
 ======================  ============  ====================================================
 """
 
@@ -44,6 +44,10 @@ from numpy.typing import ArrayLike, NDArray
 from posflock_robotarium.flocking.errors import LogError, OutputError, ParameterError
 
 FORMAT = "posflock pose log 1"
+
+#: m/s by which a certificate must change a velocity to count as an intervention.
+INTERVENED = 1e-3
+
 _STATUS = "U8"
 
 
@@ -56,7 +60,7 @@ def row_type(robots: int) -> np.dtype[np.void]:
             ("command", "f8", (2, robots)),
             ("status", _STATUS),
             ("moved", "f8"),
-            ("smallest_h", "f8"),
+            ("clearance", "f8"),
         ]
     )
 
@@ -109,7 +113,7 @@ class PoseLog:
             "format": FORMAT,
             "robots": int(robots),
             "units": {"t": "s", "pose": ["m", "m", "rad"], "command": ["m/s", "rad/s"]}
-            | {"moved": "m/s", "smallest_h": "m^2 of a pair, m of a wall"},
+            | {"moved": "m/s", "clearance": "m"},
             "versions": versions(),
             **(metadata or {}),
         }
@@ -133,8 +137,8 @@ class PoseLog:
         command: ArrayLike,
         *,
         status: str = "none",
-        moved: float = 0.0,
-        smallest_h: float = math.nan,
+        moved: float = math.nan,
+        clearance: float = math.nan,
     ) -> None:
         """Write the next row.
 
@@ -148,8 +152,8 @@ class PoseLog:
             As sent, m/s and rad/s.
         status : str
             What the certificate said.
-        moved, smallest_h : float
-            Its intervention (m/s); the barrier value of what is nearest to being unsafe.
+        moved, clearance : float
+            Its intervention (m/s); how far the team is from being unsafe (m).
         """
         if self.rows == len(self._map):
             self._grow()
@@ -158,7 +162,7 @@ class PoseLog:
         row["command"] = command
         row["status"] = status
         row["moved"] = moved
-        row["smallest_h"] = smallest_h
+        row["clearance"] = clearance
         row["t"] = t  # last: a row whose time is a number is whole
         self.rows += 1
 
@@ -242,8 +246,8 @@ class Log:
         m/s and rad/s.
     status : (T,) array of str
         What the certificate said.
-    moved, smallest_h : (T,) array
-        m/s and m².
+    moved, clearance : (T,) array
+        m/s and m; NaN where unknown.
     metadata : dict
         The description beside the log; empty where there is none.
     """
@@ -253,7 +257,7 @@ class Log:
     commands: NDArray[np.float64]
     status: NDArray[np.str_]
     moved: NDArray[np.float64]
-    smallest_h: NDArray[np.float64]
+    clearance: NDArray[np.float64]
     metadata: dict[str, Any] = field(default_factory=dict)
 
     @property
@@ -308,9 +312,11 @@ def read_log(path: str | os.PathLike[str]) -> Log:
         raise LogError(f"{array_path}: no such pose log") from error
     except (ValueError, EOFError, OSError) as error:
         raise LogError(f"{array_path}: not a readable NumPy file ({error})") from error
-    if rows.dtype.names != row_type(1).names or rows.ndim != 1:
+    fields = row_type(1).names or ()
+    missing = set(fields) - set(rows.dtype.names or ()) - {"clearance"}  # earlier logs have none
+    if missing or rows.ndim != 1:
         raise LogError(
-            f"{array_path}: expected rows with the fields {', '.join(row_type(1).names or ())};"
+            f"{array_path}: expected rows with the fields {', '.join(fields)};"
             f" got {rows.dtype} of shape {rows.shape}"
         )
     rows = np.array(rows[~np.isnan(rows["t"])])
@@ -320,14 +326,19 @@ def read_log(path: str | os.PathLike[str]) -> Log:
         metadata = {}
     except (OSError, ValueError) as error:
         raise LogError(f"{sidecar}: not readable as JSON ({error})") from error
-    column = {name: np.ascontiguousarray(rows[name]) for name in row_type(1).names or ()}
+    column = {
+        name: np.ascontiguousarray(rows[name])
+        if name in (rows.dtype.names or ())
+        else np.full(len(rows), math.nan)
+        for name in fields
+    }
     return Log(
         t=column["t"],
         poses=column["pose"],
         commands=column["command"],
         status=column["status"],
         moved=column["moved"],
-        smallest_h=column["smallest_h"],
+        clearance=column["clearance"],
         metadata=metadata,
     )
 

@@ -68,7 +68,7 @@ def _write_mat(recording: Recording, path: Path) -> None:
         "poses": recording.poses.transpose(1, 2, 0),
         **_description(recording),
     }
-    for name in ("moved", "smallest_h"):
+    for name in ("moved", "clearance"):
         if name in variables:
             variables[name] = variables[name][:, np.newaxis]
     if "status" in variables:  # char(status) in MATLAB; the reader takes numbers alone
@@ -107,7 +107,7 @@ def _write_npz(recording: Recording, path: Path) -> None:
 
 def _description(recording: Recording) -> dict[str, NDArray[Any]]:
     """Return the parameters, and what the certificate did at each step, where they are known."""
-    known = {name: getattr(recording, name) for name in ("moved", "smallest_h", "status")}
+    known = {name: getattr(recording, name) for name in ("moved", "clearance", "status")}
     if recording.parameters:
         known[parameters.NAME] = parameters.to_bytes(recording.parameters)
     return {name: values for name, values in known.items() if values is not None}

@@ -260,13 +260,13 @@ def _log(analysis: Analysis) -> Log:
     """Return the recording as the pose log that the experiment's figures are drawn from."""
     recording = analysis.recording
     samples, _, robots = recording.poses.shape
-    nothing = np.zeros(samples)
+    unknown = np.full(samples, np.nan)
     return Log(
         t=recording.t,
         poses=recording.poses,
         commands=np.zeros((samples, 2, robots)),
         status=np.full(samples, "none"),
-        moved=nothing,
-        smallest_h=nothing,
+        moved=unknown,
+        clearance=unknown,
         metadata=dict(recording.parameters),
     )

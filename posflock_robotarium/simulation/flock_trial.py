@@ -91,7 +91,7 @@ def simulate(
         commands=rows["command"],
         status=rows["status"],
         moved=rows["moved"],
-        smallest_h=rows["smallest_h"],
+        clearance=rows["clearance"],
         metadata=description,
     )
     return Trial(log, true_poses)

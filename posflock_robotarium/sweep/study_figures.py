@@ -50,6 +50,7 @@ UNITS = {
     "position_noise": "m",
     "radius": "m",
     "side": "m",
+    "smallest_clearance": "m",
     "smallest_distance": "m",
     "smallest_wall_distance": "m",
     "spacing": "m",

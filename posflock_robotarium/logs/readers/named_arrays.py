@@ -66,7 +66,7 @@ class Found:
     command: Floats | None = None
     dt: float | None = None
     steps: Mapping[str, NDArray[Any]] = field(default_factory=dict)
-    """What the certificate did at each step: ``moved``, ``smallest_h``, ``status`` (T,)."""
+    """What the certificate did at each step: ``moved``, ``clearance``, ``status`` (T,)."""
     parameters: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -126,7 +126,7 @@ def poses_among(
         notes.append("parameters of the run came with the file")
     steps: dict[str, NDArray[Any]] = {
         name: values
-        for name in ("moved", "smallest_h", "status")
+        for name in ("moved", "clearance", "status")
         if name in arrays and (values := _each_step(name, arrays[name], len(poses))) is not None
     }
     return Found(t, poses, tuple(notes), found, dt, steps, said)

@@ -44,20 +44,29 @@ def read_pose_log(file: Path, rows: NDArray[Any]) -> Recording:
         notes.append(f"the run {how}: {ended.get('reason') or 'no reason recorded'}")  # type: ignore[union-attr]
     columns = {
         name: floats(rows[name][:reached], f"{file}: {name}").copy()
-        for name in ("pose", "command", "moved", "smallest_h")
+        for name in ("pose", "command", "moved", "clearance")
+        if name in (rows.dtype.names or ())  # earlier logs have no clearance
     }
+    status = _words(rows["status"][:reached])
+    if status is not None and (status == "none").all():
+        columns["moved"][:] = np.nan  # without a certificate nobody knows
     return Recording(
         name=file.stem,
         t=t[:reached].copy(),
         poses=columns["pose"],
         command=columns["command"],
-        moved=columns["moved"],
-        smallest_h=columns["smallest_h"],
-        status=_words(rows["status"][:reached]),
+        moved=_known(columns.get("moved")),
+        clearance=_known(columns.get("clearance")),
+        status=status,
         parameters=parameters,
         notes=tuple(notes),
         sources=(str(file),),
     )
+
+
+def _known(values: NDArray[np.float64] | None) -> NDArray[np.float64] | None:
+    """Return a column, or None where it says nothing."""
+    return None if values is None or np.isnan(values).all() else values
 
 
 def _words(status: NDArray[Any]) -> NDArray[np.str_] | None:

@@ -201,7 +201,7 @@ def _recording(
         poses=np.ascontiguousarray(poses),
         command=steps.get("command"),
         moved=steps.get("moved"),
-        smallest_h=steps.get("smallest_h"),
+        clearance=steps.get("clearance"),
         status=steps.get("status"),
         parameters=found.parameters,
         notes=tuple(notes),

@@ -50,9 +50,10 @@ class Recording:
     command : ndarray, shape (T, 2, N), optional
         Commanded linear (m/s) and angular (rad/s) velocity.
     moved : ndarray, shape (T,), optional
-        Intervention of the certificate: how far it changed a velocity at most, each step (m/s).
-    smallest_h : ndarray, shape (T,), optional
-        Barrier value of what was nearest to being unsafe, each step.
+        Intervention of the certificate: how far it changed a velocity at most, each step (m/s);
+        NaN where unknown.
+    clearance : ndarray, shape (T,), optional
+        How far the team is from being unsafe at each step (m); NaN where unknown.
     status : ndarray of str, shape (T,), optional
         What the certificate answered at each step.
     parameters : mapping
@@ -73,7 +74,7 @@ class Recording:
     poses: Floats
     command: Floats | None = None
     moved: Floats | None = None
-    smallest_h: Floats | None = None
+    clearance: Floats | None = None
     status: NDArray[np.str_] | None = None
     parameters: Mapping[str, Any] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
@@ -92,10 +93,10 @@ class Recording:
             raise LogError(f"{where}: {self.t.shape[0]} times for {samples} poses")
         _check_time(where, self.t)
         _check_poses(where, self.poses)
-        for label, array in (("command", self.command), ("moved", self.moved)):
-            if array is not None and not np.isfinite(array).all():
-                row = int(np.flatnonzero(~np.isfinite(array.reshape(samples, -1)).all(axis=1))[0])
-                raise LogError(f"{where}: row {row}: {label} is not a finite number")
+        command = self.command
+        if command is not None and not np.isfinite(command).all():
+            row = int(np.flatnonzero(~np.isfinite(command.reshape(samples, -1)).all(axis=1))[0])
+            raise LogError(f"{where}: row {row}: command is not a finite number")
 
     @property
     def robots(self) -> int:

@@ -1,0 +1,155 @@
+"""The nine-robot experiment over a hundred seeds: what the law does, and what the certificate adds.
+
+Each seed is 120 s, in the ideal arena and under ``gritsbot_x`` after an arrival within 5 cm and
+0.2 rad. Beside it stands its control: the same run without pair rows, which shows what the law does
+on its own. All figures are of true poses, those of alignment for t > 20 s; clearances are what
+remains beyond the radius and the margin that the certificate keeps. Exits 1 where a bar is missed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from comparing import Table
+from nine_robots import DURATION, start_of
+
+from posflock_robotarium.alignment import metrics
+from posflock_robotarium.alignment.summary import SETTLED
+from posflock_robotarium.flocking.flock import EXPERIMENT_CERTIFICATE, Flock
+from posflock_robotarium.flocking.pose_log import INTERVENED
+from rps_compat.arena import GTERNAL, Arena, Array
+from rps_compat.initial import near
+from rps_compat.profiles import load_profile
+
+Figures = dict[str, float]
+
+
+def without_pair_rows() -> Flock:
+    """Return the flock of a control run."""
+    return Flock(certificate=replace(EXPERIMENT_CERTIFICATE, pair_rows=False))
+
+
+def papers_neighbours() -> Flock:
+    """Return a flock whose robots have the neighbours of the moment, as in the paper."""
+    return Flock(neighbour_hysteresis=0.0)
+
+
+MAKE: dict[str, Callable[[], Flock]] = {
+    "certified": Flock,
+    "control": without_pair_rows,
+    "papers-neighbours": papers_neighbours,
+}
+
+
+def run(seed: int, make: Callable[[], Flock] = Flock, profile: str = "ideal") -> Figures:
+    """Run one seed under a profile and return what was true of the robots."""
+    start, realism = start_of(seed), None
+    if profile != "ideal":
+        start = near(start, GTERNAL, np.random.default_rng([seed, 1]))
+        realism = load_profile(profile).start()
+    arena = Arena(start, GTERNAL, realism=realism, rng=np.random.default_rng([seed, 2]))
+    flock = make()
+    steps = flock.steps_in(DURATION)
+    poses = np.empty((steps, *start.shape))
+    unsolved, by_pairs = 0, 0
+    for step in range(steps):
+        poses[step] = arena.poses
+        decision = flock.step(arena.observe())
+        unsolved += decision.status in ("relaxed", "failed")
+        by_pairs += decision.intervention > INTERVENED and any(
+            row.startswith("robots") for row in decision.active
+        )
+        arena.commands = decision.command
+        arena.step()
+    return true_figures(poses, float(np.max(flock.law.radius))) | {
+        "collisions": arena.violations.close_pairs,
+        "outside": arena.violations.outside_steps,
+        "unsolved": unsolved,
+        "by_pairs": by_pairs / steps,
+    }
+
+
+def true_figures(poses: Array, radius: float) -> Figures:
+    """Return what true poses (T, 3, N) say: alignment, speed, distances, clearance."""
+    certificate, step = EXPERIMENT_CERTIFICATE, GTERNAL.time_step
+    assert certificate.wall_margin is not None
+    late = np.arange(len(poses)) * step > SETTLED
+    positions, headings = poses[:, :2], metrics.heading_vectors(poses)
+    velocity = metrics.smoothed_velocities(positions, step)[late]
+    points = positions + certificate.projection_distance * headings
+    walls = metrics.wall_distance(points, GTERNAL.boundaries)
+
+    def gamma(vectors: Array, slowest: float = 0.0) -> float:
+        found = metrics.alignment(vectors, positions[late], radius, slowest=slowest).gamma
+        return float(np.nanmean(found)) if not np.isnan(found).all() else float("nan")
+
+    return {
+        "headings": gamma(headings[late]),
+        "motion": gamma(velocity, metrics.SLOWEST),
+        "speed": float(metrics.mean_speed(velocity).mean()),
+        "apart": float(metrics.smallest_distance(points).min()) - certificate.safety_radius,
+        "from_walls": float(walls.min()) - certificate.wall_margin,
+        "centres": float(metrics.smallest_distance(positions).min()),
+        "wall": float(metrics.wall_distance(positions, GTERNAL.boundaries).min()),
+    }
+
+
+def study(one: Callable[[int], Figures], seeds: Sequence[int]) -> dict[str, Array]:
+    """Run many seeds on all processors; return each figure as an array."""
+    with ProcessPoolExecutor() as pool:
+        rows = list(pool.map(one, seeds))
+    return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+
+
+def tell(found: dict[str, Array]) -> None:
+    """Print what was found, without judging."""
+    print(
+        f"  γ from motion {np.median(found['motion']):.4f}, lowest {found['motion'].min():.4f},"
+        f" below .95 in {np.count_nonzero(~(found['motion'] >= 0.95))} seeds; least clearance of"
+        f" pairs {1e3 * found['apart'].min():+.1f} mm, below 0 in"
+        f" {np.count_nonzero(found['apart'] < 0.0)} seeds;"
+        f" {int(found['collisions'].sum())} collisions (pairs × steps)"
+    )
+
+
+def judge(table: Table, found: dict[str, Array]) -> None:
+    """Print what is required of one arena."""
+    table.bar("γ from motion, median", float(np.median(found["motion"])), "≥", 0.999)
+    table.bar("γ from motion, lowest seed", float(found["motion"].min()), "≥", 0.95)
+    table.bar("mean speed, median", float(np.median(found["speed"])), "≥", 0.035, "m/s")
+    table.bar("least clearance of pairs", 1e3 * float(found["apart"].min()), "≥", 0.0, "mm")
+    table.bar("least clearance of walls", 1e3 * float(found["from_walls"].min()), "≥", 0.0, "mm")
+    table.bar("collisions, pairs × steps", float(found["collisions"].sum()), "≤", 0)
+    table.bar("outside the arena, steps", float(found["outside"].sum()), "≤", 0)
+    table.bar("infeasible certificates, steps", float(found["unsolved"].sum()), "≤", 0)
+    shares = 100.0 * found["by_pairs"]
+    table.bar("steps that pair rows change > 1 mm/s, median", float(np.median(shares)), "≤", 0, "%")
+    table.bar("the same, worst seed", float(shares.max()), "≤", 3, "%")
+
+
+def main() -> int:
+    """Measure, print, and return 1 where a requirement is missed."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seeds", type=int, default=100)
+    parser.add_argument("--profiles", nargs="+", default=["ideal", "gritsbot_x"])
+    parser.add_argument("--flocks", nargs="+", choices=MAKE, default=["certified", "control"])
+    options = parser.parse_args()
+    table = Table()
+    for profile in options.profiles:
+        for name in options.flocks:
+            found = study(partial(run, make=MAKE[name], profile=profile), range(options.seeds))
+            print(f"{profile}, {name}, {options.seeds} seeds of {DURATION:g} s")
+            tell(found)
+            if name == "certified":
+                judge(table, found)
+    return table.exit_code()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

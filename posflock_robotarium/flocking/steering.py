@@ -1,0 +1,145 @@
+r"""Arena steering: the flock's common velocity turns away from walls, its relative motion does not.
+
+An addition to the paper's law.  The paper's flock drifts at about 0.05 m/s and meets a wall of the
+arena within half a minute.  There the certificate parks it: headings stay parallel, so γ from
+headings still reads 0.98, while robots creep.  Pushing each robot off its wall does not help: the
+drift comes back, since what drives it, an imbalance of the formation, is still there.  So steering
+turns the drive itself.  With :math:`\bar u` and :math:`\bar w` the means of inputs and velocities
+over the flock,
+
+.. math:: u_i \leftarrow u_i + (R(\alpha) - I)\,\bar u, \qquad
+          w_i \leftarrow w_i + (R(\dot\alpha\,\Delta t) - I)\,\bar w,
+
+where α grows or falls at a constant rate while a robot is near a wall and the common velocity does
+not yet point away from it.  The sign of the turn is latched until then, so that a corner does not
+make the flock dither.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from barrier_certificates import ties
+from posflock_robotarium.flocking.errors import ParameterError
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SteeringParameters:
+    """How the flock's common velocity is turned away from a wall.
+
+    Attributes
+    ----------
+    start : float
+        Seconds from the imprint before steering may begin: the first transient is the law's.
+    reach : float
+        Metres from the wall margin at which a robot calls for steering.
+    turn_rate : float
+        rad/s by which the common velocity turns.
+    clear : float
+        Cosine between common velocity and the way inward at which turning stops.
+    """
+
+    start: float = 3.0
+    reach: float = 0.18
+    turn_rate: float = 0.45
+    clear: float = 0.2
+
+    def __post_init__(self) -> None:
+        for name in ("start", "reach", "turn_rate"):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value > 0.0):
+                raise ParameterError(f"{name}: expected finite and more than zero, got {value!r}")
+        if not -1.0 < self.clear < 1.0:
+            raise ParameterError(f"clear: expected a cosine between -1 and 1, got {self.clear}")
+
+
+class ArenaSteering:
+    """What turns a flock's common velocity off the walls, and by how much it has been turned.
+
+    Parameters
+    ----------
+    parameters : SteeringParameters
+        How to steer.
+    arena : (4,) tuple
+        Least x, greatest x, least y, greatest y, metres.
+    margin : float
+        How far inside the arena look-ahead points have to stay, metres.
+    time_step : float
+        Seconds between calls.
+    """
+
+    def __init__(
+        self,
+        parameters: SteeringParameters,
+        arena: tuple[float, float, float, float],
+        margin: float,
+        time_step: float,
+    ) -> None:
+        self.parameters = parameters
+        self.arena = arena
+        self.margin = margin
+        self.time_step = time_step
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget by how much the flock was turned, and which way it turns."""
+        self._angle = 0.0
+        self._sign = 0.0
+
+    def steer(
+        self, time: float, points: Floats, inputs: Floats, velocities: Floats
+    ) -> tuple[Floats, Floats, float]:
+        """Return inputs and velocities (2, N) turned, and by how much velocities were, rad.
+
+        Parameters
+        ----------
+        time : float
+            Seconds since the imprint.
+        points, inputs, velocities : (2, N) array
+            Look-ahead points in metres; the law's inputs in m/s²; velocities in m/s.
+        """
+        if not ties.beyond(time, self.parameters.start):
+            return inputs, velocities, 0.0
+        common = velocities.mean(axis=1)
+        turning = self._turning(points, common)
+        self._angle += turning
+        return (
+            inputs + _turned(inputs.mean(axis=1), self._angle),
+            velocities + _turned(common, turning),
+            turning,
+        )
+
+    def _turning(self, points: Floats, common: Floats) -> float:
+        """Return by how much to turn the common velocity now, rad, away from near walls."""
+        left, right, bottom, top = self.arena
+        x, y = points
+        gaps = np.array([x.min() - left, right - x.max(), y.min() - bottom, top - y.max()])
+        call = np.maximum(0.0, self.parameters.reach - (gaps - self.margin))
+        inward = (call[0] - call[1], call[2] - call[3])
+        along = common[0] * inward[0] + common[1] * inward[1]
+        lengths = math.hypot(*common) * math.hypot(*inward)
+        clear = lengths > 0.0 and along >= self.parameters.clear * lengths
+        if clear or not ties.beyond(call, 0.0).any():
+            self._sign = 0.0
+        elif self._sign == 0.0:
+            across = common[0] * inward[1] - common[1] * inward[0]
+            # Straight at a wall, both ways are as good.
+            self._sign = 1.0 if ties.reached(across, 0.0) else -1.0
+        return self._sign * self.parameters.turn_rate * self.time_step
+
+
+def _turned(common: Floats, angle: float) -> Floats:
+    """Return (R(angle) − I)·common as a column that adds to every robot's vector."""
+    cosine, sine = math.cos(angle) - 1.0, math.sin(angle)
+    return np.array(
+        [
+            [cosine * common[0] - sine * common[1]],
+            [sine * common[0] + cosine * common[1]],
+        ]
+    )
