@@ -13,7 +13,7 @@ for _variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
 import numpy as np  # noqa: E402
 
 from posflock_robotarium.calibration import calibrate  # noqa: E402
-from posflock_robotarium.flocking.pose_log import Log  # noqa: E402
+from posflock_robotarium.logs.run import Run  # noqa: E402
 from rps_compat.arena import Arena  # noqa: E402
 from rps_compat.draws import Draw, constant  # noqa: E402
 from rps_compat.realism import (  # noqa: E402
@@ -35,7 +35,7 @@ COVERAGE = 0.90
 
 def simulated_testbed(
     seed: int, robots: int = 4, rows: int = 1500
-) -> tuple[Log, dict[str, np.ndarray]]:
+) -> tuple[Run, dict[str, np.ndarray]]:
     """Simulate robots with random imperfections under random commands of one to two seconds."""
     rng = np.random.default_rng([seed, 1])
     truth = {
@@ -73,8 +73,7 @@ def simulated_testbed(
         poses[k] = arena.observe()
         arena.commands = commands[k].copy()
         arena.step()
-    none = np.zeros(rows)
-    return Log(np.arange(rows) * STEP, poses, commands, none.astype("U8"), none, none), truth
+    return Run("calibration", np.arange(rows) * STEP, poses, commands), truth
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -23,9 +23,10 @@ from posflock_robotarium.alignment import metrics
 from posflock_robotarium.alignment.summary import SETTLED
 from posflock_robotarium.flocking.flock import EXPERIMENT_CERTIFICATE, Flock
 from posflock_robotarium.flocking.pose_log import INTERVENED
-from rps_compat.arena import GTERNAL, Arena, Array
+from rps_compat.arena import Arena, Array
 from rps_compat.initial import near
 from rps_compat.profiles import load_profile
+from rps_compat.testbed import GTERNAL
 
 Figures = dict[str, float]
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from rps_compat.arena import RobotModel
+from rps_compat.testbed import RobotModel
 
 Certify = Callable[[np.ndarray, np.ndarray], Any]
 

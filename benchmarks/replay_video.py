@@ -17,7 +17,7 @@ from comparing import Table, Times, cpu, cpu_with_children
 
 from posflock_robotarium.alignment.truth import known_flock
 from posflock_robotarium.flocking.errors import OutputError
-from posflock_robotarium.logs.readers import Recording
+from posflock_robotarium.logs.readers import Run
 from posflock_robotarium.report.video import RATE, SIZE, TRAIL, find_ffmpeg, write_video
 
 DURATION, FRAMES = 40.0, 60
@@ -25,13 +25,13 @@ DURATION, FRAMES = 40.0, 60
 MOST = {"gif": 1.0, "mp4": 1.0}
 
 
-def filmed(recording: Recording, path: Path) -> float:
+def filmed(recording: Run, path: Path) -> float:
     """Return the CPU seconds of a frame of film."""
     frames = DURATION * RATE[path.suffix]
     return cpu_with_children(lambda: write_video(recording, path)) / frames
 
 
-def drawn(recording: Recording, kind: str) -> float:
+def drawn(recording: Run, kind: str) -> float:
     """Return the CPU seconds of a frame in plain matplotlib."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure

@@ -27,9 +27,9 @@ from comparing import Table, Times, cpu
 from references import dense_certificate, plain_step
 
 import rps_compat
-from rps_compat.arena import GTERNAL
 from rps_compat.run_settings import RunSettings
 from rps_compat.runner import run_script
+from rps_compat.testbed import GTERNAL
 
 STEPS, DRAWN, INSTANCES = 3000, 500, 20
 #: Most that each may take of its reference. Measured: see docs/api-compatibility.md.

@@ -105,9 +105,9 @@ def report(path: Path) -> None:
     """Summarise and draw the run; for a log from the testbed, ``posflock report`` does."""
     from posflock_robotarium.alignment.summary import summarise
     from posflock_robotarium.figures.experiment import draw_run
-    from posflock_robotarium.flocking.pose_log import read_log
+    from posflock_robotarium.logs.readers import read
 
-    log = read_log(path)
+    log = read(path)
     summary = summarise(log)
     (path.parent / "summary.json").write_text(json.dumps(summary.as_dict(), indent=1) + "\n")
     print(summary)

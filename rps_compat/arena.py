@@ -22,7 +22,7 @@ between pose and measurement: with None the arena is ideal. A :class:`Recorder` 
 step, whatever the script does.
 """
 
-from dataclasses import dataclass
+from collections.abc import Iterable
 from math import isfinite
 from typing import Protocol, cast
 
@@ -31,6 +31,7 @@ from numpy.typing import NDArray
 
 from barrier_certificates.ties import TIE
 from rps_compat.errors import CommandError
+from rps_compat.testbed import GRITSBOT_X, RobotModel
 from rps_compat.violations import Violations
 
 Array = NDArray[np.float64]
@@ -38,29 +39,6 @@ Array = NDArray[np.float64]
 _TWO = np.array(2.0)
 # A robot that stops at half a turn keeps the sign that it came with, whatever its last bit.
 _WRAPPED_BEYOND = float(np.pi) + TIE
-
-
-@dataclass(frozen=True)
-class RobotModel:
-    """Dimensions and limits of one kind of robot and its arena.
-
-    Lengths in metres, speeds in metres or radians per second; the wheel limit in radians per
-    second of the wheel. `boundaries` is (x_min, x_max, y_min, y_max).
-    """
-
-    wheel_radius: float
-    base_length: float
-    max_wheel_velocity: float
-    collision_diameter: float
-    collision_offset: float
-    time_step: float
-    boundaries: tuple[float, float, float, float]
-
-
-#: The robot of generation 1 of the testbed.
-GRITSBOT_X = RobotModel(0.016, 0.105, 12.5, 0.135, 0.025, 0.033, (-1.6, 1.6, -1.0, 1.0))
-#: The robot of generation 2.
-GTERNAL = RobotModel(0.016, 0.11, 12.5, 0.135, 0.025, 0.033, (-1.6, 1.6, -1.0, 1.0))
 
 
 class Realism(Protocol):
@@ -338,6 +316,26 @@ class Arena:
         turned = np.abs(theta)
         if turned[turned.argmax()] > _WRAPPED_BEYOND:
             np.arctan2(np.sin(theta), np.cos(theta), out=theta)
+
+
+def violations_of(poses: Array, robot: RobotModel, rows: Iterable[int]) -> Violations:
+    """Return what the arena holds against logged poses, by its own test of each row.
+
+    Parameters
+    ----------
+    poses
+        Logged poses over time, (T, 3, N): metres and radians.
+    robot
+        Whose collision test and arena are meant.
+    rows
+        Which rows to test, in order of time; the rows that are left out count as sound.
+    """
+    arena = Arena(poses[0], robot)
+    for row in rows:
+        arena.place(poses[row])
+        arena.steps = row
+        arena.check()
+    return arena.violations
 
 
 def require_finite(velocities: Array) -> None:

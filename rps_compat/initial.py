@@ -21,10 +21,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from barrier_certificates.ties import beyond, first_smallest, short_of, within
-from rps_compat.arena import Arena, Array, RobotModel
+from rps_compat.arena import Arena, Array
 from rps_compat.errors import InitialConditionsError, UnreachableError
 from rps_compat.kinematics import wrap
 from rps_compat.placement import CrowdedError
+from rps_compat.testbed import RobotModel
 
 #: How near the drive brings every robot, as the published simulator: metres and radians.
 POSITION_TOLERANCE, HEADING_TOLERANCE = 0.02, 0.18

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from barrier_certificates.ties import reached, short_of
-from rps_compat.arena import GRITSBOT_X
 from rps_compat.draws import FLAT, ONE, Curve, Draw, require
+from rps_compat.testbed import GRITSBOT_X
 
 Array = NDArray[np.float64]
 #: Takes commands (2, N) and each robot's seconds since its last command (N,), which it may

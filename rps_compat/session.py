@@ -18,8 +18,9 @@ from typing import Any, Literal, Protocol, get_args
 
 import numpy as np
 
-from rps_compat.arena import Arena, Array, Realism, Recorder, RobotModel
+from rps_compat.arena import Arena, Array, Realism, Recorder
 from rps_compat.errors import RobotariumError
+from rps_compat.testbed import RobotModel
 
 Initial = Literal["published", "exact", "arrive", "drive"]
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from rps_compat.arena import GTERNAL
+from rps_compat.testbed import GTERNAL
 
 #: Metres between the centres of two robots, face to face, that are just too close.
 TOUCHING = GTERNAL.collision_diameter + 2 * GTERNAL.collision_offset

@@ -6,10 +6,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from barrier_certificates.ties import TIE
-from rps_compat.arena import GRITSBOT_X, GTERNAL, Arena
+from rps_compat.arena import Arena
 from rps_compat.errors import CommandError
 from rps_compat.report import report_on
 from rps_compat.session import Session, SessionError
+from rps_compat.testbed import GRITSBOT_X, GTERNAL
 
 
 def arena_at(*poses, **guests):

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 
-from posflock_robotarium import testbed
 from posflock_robotarium.flocking.errors import OutputError
 from posflock_robotarium.submission import bundle as bundling
 from posflock_robotarium.submission.bundle import (
@@ -23,6 +22,7 @@ from posflock_robotarium.submission.bundle import (
     main_file,
 )
 from posflock_robotarium.submission.interpreters import installed_pythons
+from rps_compat import testbed
 from rps_compat.scripts import import_graph
 
 EXPERIMENT = Path(__file__).parents[1] / "experiments" / "robotarium_9bot.py"

@@ -1,12 +1,16 @@
 """Known imperfections are found again, with intervals that hold them."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 from benchmarks.calibration import simulated_testbed
-from posflock_robotarium.calibration import Estimate, calibrate, delayed, resimulate, write_log
+from posflock_robotarium.calibration import Estimate, calibrate, delayed, resimulate
 from posflock_robotarium.flocking.errors import LogError
-from posflock_robotarium.flocking.pose_log import Log, read_log
+from posflock_robotarium.logs.convert import write_pose_log
+from posflock_robotarium.logs.readers import read_pose_log
+from posflock_robotarium.logs.run import Run
 from rps_compat.arena import Arena
 from rps_compat.draws import constant
 from rps_compat.profiles import profile_from_toml, profile_to_toml
@@ -62,10 +66,10 @@ def test_simulating_with_it_repeats_the_run(fitted, tmp_path):
         return float(np.abs(other.poses[:150, :2] - log.poses[:150, :2]).max())
 
     assert apart(again) < apart(ideal) / 3
-    path = write_log(again, tmp_path / "again")
-    read = read_log(path)
+    path = write_pose_log(again, tmp_path / "again")
+    read = read_pose_log(path)
     np.testing.assert_array_equal(read.poses, again.poses)
-    assert read.metadata["resimulated_with"] == "calibrated"
+    assert read.parameters["resimulated_with"] == "calibrated"
 
 
 def test_the_model_is_the_one_that_is_simulated():
@@ -90,8 +94,7 @@ def plain_log(rows=100, t=None, speed=True, turn=True, smooth=False):
         poses[k] = arena.observe()
         arena.commands = commands[k].copy()
         arena.step()
-    none = np.zeros(rows)
-    return Log(np.arange(rows) * 0.033 if t is None else t, poses, commands, none, none, none)
+    return Run("log", np.arange(rows) * 0.033 if t is None else t, poses, commands)
 
 
 @pytest.mark.parametrize("smooth", [False, True])
@@ -130,9 +133,12 @@ def test_logs_that_say_nothing_are_refused(log, reason):
 
 def test_values_that_are_not_finite_are_refused():
     log = plain_log()
-    log.poses[5, 0, 1] = np.nan
-    with pytest.raises(LogError, match="not finite"):
-        calibrate(log)
+    poses = log.poses.copy()
+    poses[5, 0, 1] = np.nan
+    with pytest.raises(LogError, match="row 5: x of robot 1 is nan, not a finite number"):
+        dataclasses.replace(log, poses=poses)
+    with pytest.raises(LogError, match="no commands in it"):
+        calibrate(dataclasses.replace(log, commands=None))
 
 
 @pytest.mark.slow

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import rps_compat
-from posflock_robotarium.flocking.pose_log import read_log
+from posflock_robotarium.logs.readers import read_pose_log
 from posflock_robotarium.logs.recorder import open_pose_log
 from rps_compat.children import VARIABLE, names
 from rps_compat.children.plan import ChildError
@@ -96,9 +96,9 @@ def test_robots_in_pools(run, tmp_path, method):
     assert notes_on_children(data) == []
     logs = [name for name in data["files"] if name.endswith(".npy")]
     assert len(logs) == len(set(logs)) == 4
-    assert sorted(len(read_log(tmp_path / "out" / name).t) for name in logs) == [3, 5, 6, 7]
+    assert sorted(len(read_pose_log(tmp_path / "out" / name).t) for name in logs) == [3, 5, 6, 7]
     for name in logs[1:]:
-        about = read_log(tmp_path / "out" / name).metadata
+        about = read_pose_log(tmp_path / "out" / name).parameters
         assert name.startswith(f"poses-{about['process']}")
         assert about["ended"]["how"] == "finished", "although pools end their processes"
         assert about["seed"] == 1
@@ -186,8 +186,8 @@ def test_every_end_of_a_child_leaves_all_that_it_did(run, tmp_path):
         ("process-5", 11), ("worker-1", 12), ("worker-2", 12), ("worker-3", 11),
     ]  # fmt: skip
     for process in ("process-2", "process-3"):
-        report, log = by_process[process], read_log(tmp_path / "out" / f"poses-{process}.npy")
-        assert log.metadata["ended"]["how"] == "running"
+        report, log = by_process[process], read_pose_log(tmp_path / "out" / f"poses-{process}.npy")
+        assert log.parameters["ended"]["how"] == "running"
         assert report["steps"] >= 500
         assert len(log.t) == report["steps"]
         # Nothing is lost: too close from the first step to the last, and all of them too fast.
@@ -208,7 +208,9 @@ def test_every_end_of_a_child_leaves_all_that_it_did(run, tmp_path):
     ]
     # The parent's own log is not written into by its children, and theirs goes on with the row
     # after the fork.
-    logs = {p: read_log(tmp_path / "out" / f"poses{p}.npy") for p in ("", "-fork-1", "-fork-1-2")}
+    logs = {
+        p: read_pose_log(tmp_path / "out" / f"poses{p}.npy") for p in ("", "-fork-1", "-fork-1-2")
+    }
     assert [len(log.t) for log in logs.values()] == [8, 1, 2]
     assert logs["-fork-1"].t[0] == pytest.approx(7 * 0.033)
     assert "rps_compat" not in done.stderr, "tracebacks are the script's own"

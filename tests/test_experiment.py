@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from posflock_robotarium.flocking.pose_log import read_log
+from posflock_robotarium.logs.readers import read_pose_log
 
 ROOT = Path(__file__).resolve().parents[1]
 SCRIPT = ROOT / "experiments" / "robotarium_9bot.py"
@@ -45,11 +45,11 @@ def test_a_run_leaves_log_summary_and_figures(short_run):
     summary = json.loads((folder / "results" / "summary.json").read_text())
     assert summary["collisions"] == 0
     assert "alignment γ" in done.stdout
-    log = read_log(folder / "results" / "nine_robots")
+    log = read_pose_log(folder / "results" / "nine_robots")
     assert len(log.t) == 182
-    assert log.metadata["seed"] == 0
-    assert log.metadata["neighbour_radius"] == 0.75
-    assert log.metadata["api_generation"] == 2
+    assert log.parameters["seed"] == 0
+    assert log.parameters["neighbour_radius"] == 0.75
+    assert log.parameters["api_generation"] == 2
 
 
 def test_without_a_terminal_progress_is_plain_lines(short_run):
@@ -76,8 +76,8 @@ def test_it_runs_on_either_generation_of_the_api(api, tmp_path, short_run):
     env = {"PYTHONPATH": os.pathsep.join([paths, str(ROOT)])}
     done = run("--duration", "6", cwd=tmp_path, env=env)
     assert done.returncode == 0, done.stderr
-    log = read_log(tmp_path / "nine_robots")
-    assert log.metadata["api_generation"] == api
+    log = read_pose_log(tmp_path / "nine_robots")
+    assert log.parameters["api_generation"] == api
     assert sorted(path.name for path in tmp_path.iterdir()) == [
         "nine_robots.json",
         "nine_robots.npy",
@@ -87,7 +87,7 @@ def test_it_runs_on_either_generation_of_the_api(api, tmp_path, short_run):
 def test_a_control_run_is_for_the_simulator_alone(tmp_path):
     done = run("--duration", "3", "--certificate", "off", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert read_log(tmp_path / "nine_robots").metadata["wheels"]["pair_rows"] is False
+    assert read_pose_log(tmp_path / "nine_robots").parameters["wheels"]["pair_rows"] is False
     package = tmp_path / "installed" / "rps"
     package.mkdir(parents=True)
     (package / "__init__.py").write_text("")
@@ -121,7 +121,7 @@ runpy.run_path({str(SCRIPT)!r}, run_name="__main__")
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert "interrupted: the 50 steps until then are in" in done.stdout
-    ended = read_log(tmp_path / "nine_robots").metadata["ended"]
+    ended = read_pose_log(tmp_path / "nine_robots").parameters["ended"]
     assert ended["how"] == "interrupted"
     assert "KeyboardInterrupt" in ended["reason"]
     assert ended["rows"] == 50
@@ -138,15 +138,15 @@ def test_a_killed_run_keeps_every_step_before(tmp_path, short_run):
         time.sleep(0.05)
         # The description is written once the rows have their room.
         begun = (tmp_path / "nine_robots.json").exists()
-        if begun and len(read_log(tmp_path / "nine_robots").t) > 300:
+        if begun and len(read_pose_log(tmp_path / "nine_robots").t) > 300:
             break
     os.kill(child.pid, signal.SIGKILL)
     child.communicate()
-    log = read_log(tmp_path / "nine_robots")
+    log = read_pose_log(tmp_path / "nine_robots")
     assert len(log.t) > 300
     assert np.allclose(np.diff(log.t), 0.033)
     assert np.isfinite(log.poses).all()
-    expected = read_log(short_run[0] / "results" / "nine_robots")
+    expected = read_pose_log(short_run[0] / "results" / "nine_robots")
     assert np.array_equal(log.poses[:182], expected.poses)
 
 

@@ -44,7 +44,8 @@ def test_robots_are_drawn_to_scale(log):
 def test_a_log_too_short_is_named(log, tmp_path):
     from dataclasses import replace
 
-    short = replace(log, t=log.t[:3], poses=log.poses[:3])
+    unknown = dict.fromkeys(("commands", "intervention", "clearance", "status"))
+    short = replace(log, t=log.t[:3], poses=log.poses[:3], **unknown)
     with pytest.raises(LogError, match="holds 3 rows"):
         figures.draw_run(short, tmp_path)
 

@@ -13,8 +13,8 @@ from posflock_robotarium.alignment.summary import summarise
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.flock import EXPERIMENT_CERTIFICATE, Flock
 from posflock_robotarium.flocking.placement import random_poses
-from posflock_robotarium.flocking.pose_log import Log
 from posflock_robotarium.flocking.steering import SteeringParameters
+from posflock_robotarium.logs.run import Run
 from posflock_robotarium.simulation.flock_trial import simulate
 
 
@@ -167,7 +167,7 @@ def test_robots_that_start_too_close_are_named_once():
 
 def test_a_control_run_keeps_nobody_apart_and_says_how_close_they_came():
     log = simulate(flock_of(pair_rows=False), start_of(0), 60.0).log
-    assert log.metadata["wheels"]["pair_rows"] is False
+    assert log.parameters["wheels"]["pair_rows"] is False
     assert_allclose(log.clearance, clearance_of(log.poses), atol=1e-12)
     meeting = np.array([[0.0, 0.3], [0.0, 0.0], [0.0, np.pi]])  # the law draws both together
     law_alone, certified = (
@@ -181,7 +181,7 @@ def test_interventions_count_from_a_millimetre_a_second():
     run = simulate(Flock(), start_of(0), 3.0).log
     moved = np.zeros(len(run.t))
     moved[:10], moved[10:20] = 1.1e-3, 0.9e-3
-    summary = summarise(replace(run, moved=moved))
+    summary = summarise(replace(run, intervention=moved))
     assert summary.share_intervened == pytest.approx(10 / len(moved))
     assert summary.largest_intervention == 1.1e-3
 
@@ -189,7 +189,7 @@ def test_interventions_count_from_a_millimetre_a_second():
 def test_what_a_log_does_not_say_stays_unknown():
     run = simulate(Flock(), start_of(0), 3.0).log
     unknown = np.full(len(run.t), math.nan)
-    summary = summarise(replace(run, moved=unknown, clearance=unknown))
+    summary = summarise(replace(run, intervention=unknown, clearance=unknown))
     numbers = summary.as_dict()
     for name in ("smallest_clearance", "share_intervened", "largest_intervention"):
         assert numbers[name] is None
@@ -198,14 +198,15 @@ def test_what_a_log_does_not_say_stays_unknown():
 
 def test_a_summary_in_which_nothing_moved_is_valid_json():
     rows = 100
-    log = Log(
+    log = Run(
+        name="still",
         t=0.033 * np.arange(rows),
         poses=np.repeat(start_of(0)[None], rows, axis=0),
         commands=np.zeros((rows, 2, 9)),
         status=np.full(rows, "trivial"),
-        moved=np.zeros(rows),
+        intervention=np.zeros(rows),
         clearance=np.zeros(rows),
-        metadata={"neighbour_radius": 0.75, "time_step": 0.033},
+        parameters={"neighbour_radius": 0.75, "time_step": 0.033},
     )
     numbers = summarise(log).as_dict()
     assert numbers["gamma_motion"] is None

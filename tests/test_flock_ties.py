@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from last_bits import TOUCHING, neighbours_of
 
-from posflock_robotarium import testbed
 from posflock_robotarium.alignment import metrics
 from posflock_robotarium.alignment.estimators import window_points
 from posflock_robotarium.alignment.point_agents import Measures, summarise
@@ -16,11 +15,13 @@ from posflock_robotarium.flocking.law import neighbours
 from posflock_robotarium.freespace.neighbour_search import neighbour_pairs
 from posflock_robotarium.freespace.sensing import Sensing, Sensors
 from posflock_robotarium.freespace.simulation import FreeSpace
-from posflock_robotarium.report import Recording, analyse
+from posflock_robotarium.report import Run, analyse
 from posflock_robotarium.verify.judge import judge, recommended_duration
 from posflock_robotarium.verify.trial import Outcome, TrialPlan, Watch
 from posflock_robotarium.verify.trials import Ran
-from rps_compat.arena import GTERNAL, Arena
+from rps_compat import testbed
+from rps_compat.arena import Arena
+from rps_compat.testbed import GTERNAL
 
 #: A lattice of 0.3 m, away from the origin, so that distances round.
 LATTICE = np.stack(np.meshgrid(0.1 + 0.3 * np.arange(4), 0.7 + 0.3 * np.arange(3))).reshape(2, -1)
@@ -38,7 +39,10 @@ def test_a_log_counts_the_collisions_that_the_arena_counts():
     for poses in neighbours_of([[0.1, 0.1 + TOUCHING], [0.2, 0.2], [0.0, np.pi]]):
         arena = Arena(poses, GTERNAL)
         arena.step()
-        assert arena.violations.close_pairs == metrics.colliding_pairs(poses) == 1
+        poses = np.repeat(poses[None], 2, axis=0)
+        numbers = analyse(Run("touching", np.array([0.0, 0.033]), poses), radius=0.75).numbers
+        assert arena.violations.close_pairs == 1
+        assert numbers["collision_steps"].value == 2
 
 
 def test_an_agent_at_the_slowest_speed_stands():
@@ -90,8 +94,8 @@ def test_a_gap_is_more_than_three_steps():
     regular = 0.033 * np.arange(40)
     held = np.concatenate([regular[:20], regular[22:]])  # one step of exactly three
     for t in neighbours_of(held):
-        assert Recording("held", t, np.zeros((38, 3, 1))).gaps.size == 0
-    assert Recording("gap", np.delete(regular, [20, 21, 22]), np.zeros((37, 3, 1))).gaps.size == 1
+        assert Run("held", t, np.zeros((38, 3, 1))).gaps.size == 0
+    assert Run("gap", np.delete(regular, [20, 21, 22]), np.zeros((37, 3, 1))).gaps.size == 1
 
 
 def test_a_window_of_an_even_number_of_steps_is_one_less():
@@ -104,7 +108,7 @@ def test_robots_at_the_slowest_speed_stand():
     along = np.stack([metrics.SLOWEST * t - 0.5, metrics.SLOWEST * t - 0.4])
     for x in neighbours_of(along):
         poses = np.stack([x, np.full_like(x, 0.1), np.zeros_like(x)]).transpose(2, 0, 1)
-        assert analyse(Recording("slow", t, poses), radius=0.75).numbers["standing"].value == 1.0
+        assert analyse(Run("slow", t, poses), radius=0.75).numbers["standing"].value == 1.0
 
 
 def test_robots_on_the_wall_and_wheels_at_their_limit_are_within_the_rules():
@@ -114,7 +118,7 @@ def test_robots_on_the_wall_and_wheels_at_their_limit_are_within_the_rules():
     commands = np.zeros((60, 2, 2))
     commands[:, 0] = 0.2
     for read, told in zip(neighbours_of(poses), neighbours_of(commands), strict=True):
-        analysis = analyse(Recording("edge", t, read, command=told), radius=0.75)
+        analysis = analyse(Run("edge", t, read, commands=told), radius=0.75)
         assert analysis.numbers["boundary_events"].value == 0
         assert analysis.numbers["wheel_excess_steps"].value == 0
         assert not any("-0.000" in verdict.because for verdict in analysis.verdicts)

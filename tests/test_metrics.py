@@ -76,16 +76,9 @@ def test_groups_are_counted():
     assert metrics.connected_components(p, np.array([0.1, 0.1, 0.6, 0.1, 0.1])) == 4
 
 
-def test_collisions_are_counted_where_the_testbed_would():
-    facing = np.array([[0.0, 0.18], [0.0, 0.0], [0.0, math.pi]])
-    assert metrics.colliding_pairs(facing) == 1  # fronts meet: 0.18 - 2·0.025 < 0.135
-    back_to_back = facing * [[1], [1], [0]] + [[0, 0], [0, 0], [math.pi, 0.0]]
-    assert metrics.colliding_pairs(back_to_back) == 0
-
-
 def test_fastest_wheel_is_the_outer_one():
     wheel = (0.15 + 0.55 * 0.0525) / 0.016
-    assert metrics.fastest_wheel([[0.1, -0.15], [0.0, 0.55]]) == pytest.approx(wheel)
+    assert metrics.fastest_wheel([[0.1, -0.15], [0.0, 0.55]], 0.016, 0.105) == pytest.approx(wheel)
 
 
 def test_velocities_of_a_straight_line_are_exact_by_both_estimators():

@@ -9,8 +9,8 @@ from posflock_robotarium.alignment.metrics import heading_vectors, smallest_dist
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.flock import EXPERIMENT_CERTIFICATE
 from posflock_robotarium.flocking.placement import random_poses
-from rps_compat.arena import GTERNAL
 from rps_compat.initial import ARRIVAL_HEADING, ARRIVAL_POSITION, near
+from rps_compat.testbed import GTERNAL
 
 D = EXPERIMENT_CERTIFICATE.projection_distance
 

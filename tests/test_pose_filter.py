@@ -8,8 +8,9 @@ from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.flock import Flock
 from posflock_robotarium.flocking.placement import random_poses
 from posflock_robotarium.flocking.pose_filter import PoseFilter, PoseFilterParameters
-from rps_compat.arena import GTERNAL, Arena
+from rps_compat.arena import Arena
 from rps_compat.profiles import load_profile
+from rps_compat.testbed import GTERNAL
 
 STEP = 0.033
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from posflock_robotarium.flocking.errors import OutputError, ParameterError
-from posflock_robotarium.flocking.pose_log import read_log
+from posflock_robotarium.logs.readers import read_pose_log
 from posflock_robotarium.submission import rehearse as rehearsing
 from posflock_robotarium.submission.bundle import BundleError, bundle
 from posflock_robotarium.submission.rehearse import Environment, RehearsalError, rehearse, report_on
@@ -170,7 +170,7 @@ def unbundled(generation=2):
     _, source = check_source(EXPERIMENT)
     with TrialRoom(source, generation, Limits()) as room:
         (ran,) = room.run([room.plan("here")])
-        return read_log(ran.scratch / "nine_robots.npy")
+        return read_pose_log(ran.scratch / "nine_robots.npy")
 
 
 @pytest.mark.slow
@@ -194,7 +194,7 @@ def test_the_experiments_bundle_repeats_the_unbundled_run(tmp_path, generation):
     site = next(done.environment.python.parents[1].glob("lib/python*/site-packages"))
     there = {name.lower() for name in os.listdir(site)}
     assert not there & {"osqp", "cvxpy", "clarabel", "typer", "rich", "posflock_robotarium"}
-    back = read_log(tmp_path / "back" / "nine_robots.npy")
+    back = read_pose_log(tmp_path / "back" / "nine_robots.npy")
     here = unbundled(generation)
     assert np.abs(back.poses - here.poses).max() <= 1e-9
     assert np.abs(back.commands - here.commands).max() <= 1e-9

@@ -16,8 +16,10 @@ from posflock_robotarium.alignment.truth import known_flock
 from posflock_robotarium.alignment.verdicts import headline
 from posflock_robotarium.commands.report import report as report_command
 from posflock_robotarium.flocking.errors import LogError, ParameterError
-from posflock_robotarium.flocking.pose_log import PoseLog, read_log
-from posflock_robotarium.report import AnalysisOptions, Recording, analyse, load
+from posflock_robotarium.flocking.pose_log import PoseLog
+from posflock_robotarium.logs.readers import read_pose_log
+from posflock_robotarium.report import AnalysisOptions, Run, analyse, load
+from rps_compat.arena import violations_of
 
 ROOT = Path(__file__).parents[1]
 
@@ -56,10 +58,10 @@ def test_the_nine_robots_agree_with_the_metrics(nine_robots):
         "smallest_distance": metrics.smallest_distance(positions),
         "cohesive_radius": metrics.cohesive_radius(positions),
         "spread": metrics.spread(positions),
-        "wall_distance": metrics.wall_distance(positions),
+        "wall_distance": metrics.wall_distance(positions, (-1.6, 1.6, -1.0, 1.0)),
         "components": metrics.connected_components(positions, radius),
         "algebraic_connectivity": metrics.algebraic_connectivity(positions, radius),
-        "fastest_wheel": metrics.fastest_wheel(recording.command, 0.016, 0.11),
+        "fastest_wheel": metrics.fastest_wheel(recording.commands, 0.016, 0.11),
     }
     for key, values in expected.items():
         np.testing.assert_allclose(curves[key], values, rtol=0, atol=1e-12, err_msg=key)
@@ -67,7 +69,10 @@ def test_the_nine_robots_agree_with_the_metrics(nine_robots):
     for key in ("gamma_motion", "gamma_headings", "speed"):
         mean = float(expected[key][late].mean())
         assert nine_robots.numbers[key].value == pytest.approx(mean, rel=0, abs=1e-12)
-    assert nine_robots.numbers["collision_steps"].value == metrics.colliding_pairs(poses).sum()
+    assert (
+        nine_robots.numbers["collision_steps"].value
+        == violations_of(poses, recording.robot, range(len(poses))).close_pairs
+    )
 
 
 def one_parks(folder):
@@ -85,7 +90,7 @@ def one_parks(folder):
 
 def test_summary_and_report_agree_about_robots_that_stand(tmp_path):
     path = one_parks(tmp_path)
-    numbers, summary = analyse(path).numbers, summarise(read_log(path))
+    numbers, summary = analyse(path).numbers, summarise(read_pose_log(path))
     assert summary.gamma_motion == pytest.approx(numbers["gamma_motion"].value, rel=0, abs=1e-12)
     assert summary.gamma_headings == pytest.approx(
         numbers["gamma_headings"].value, rel=0, abs=1e-12
@@ -232,7 +237,7 @@ def pair(distance, heading=(0.0, 0.0), samples=120):
     poses[:, 0] = -0.5 + 0.1 * t[:, np.newaxis]
     poses[:, 1, 1] = distance
     poses[:, 2] = heading
-    return Recording("pair", t, poses)
+    return Run("pair", t, poses)
 
 
 def test_collisions_are_counted_by_the_testbeds_own_test():
@@ -279,7 +284,7 @@ def test_stalls_and_wheel_excess_come_from_the_commands():
     command = np.zeros((120, 2, 2))
     command[:, 0] = 0.1
     command[5, 0, 0] = 0.3
-    analysis = analyse(dataclasses.replace(recording, poses=poses, command=command), radius=0.75)
+    analysis = analyse(dataclasses.replace(recording, poses=poses, commands=command), radius=0.75)
     assert analysis.numbers["stalls"].value == 1
     assert analysis.numbers["wheel_excess_steps"].value == 1
     assert analysis.numbers["wheel_excess"].value == pytest.approx(0.3 / 0.016 - 12.5)
@@ -293,8 +298,8 @@ def test_without_commands_limits_are_unknown():
 def test_the_certificates_interventions_are_counted():
     recording = dataclasses.replace(
         pair(np.full(120, 0.3)),
-        command=np.zeros((120, 2, 2)),
-        moved=np.where(np.arange(120) < 30, 0.02, 0.0),
+        commands=np.zeros((120, 2, 2)),
+        intervention=np.where(np.arange(120) < 30, 0.02, 0.0),
         clearance=np.linspace(0.1, 0.01, 120),
         status=np.array(["relaxed"] * 3 + ["optimal"] * 117),
     )
@@ -317,7 +322,10 @@ def test_an_unsafe_start_is_said_with_the_safety():
 def test_a_log_without_a_certificate_says_nothing_of_one():
     nothing = np.full(120, np.nan)
     recording = dataclasses.replace(
-        pair(np.full(120, 0.3)), moved=nothing, clearance=nothing, status=np.full(120, "none")
+        pair(np.full(120, 0.3)),
+        intervention=nothing,
+        clearance=nothing,
+        status=np.full(120, ""),
     )
     numbers = analyse(recording, radius=0.75).numbers
     assert not {"interventions", "clearance", "clearance_first", "unsolved"} & set(numbers)
@@ -337,7 +345,7 @@ def test_alignment_for_good_is_later_than_alignment_for_once():
     poses[:, 0, 0] = poses[:, 0, 1] = 0.1 * t
     poses[:, 1, 1] = 0.3
     poses[100:150, 2, 1] = 2.0
-    numbers = analyse(Recording("wobble", t, poses), radius=0.75).numbers
+    numbers = analyse(Run("wobble", t, poses), radius=0.75).numbers
     assert numbers["time_to_alignment_headings"].value == 0
     assert numbers["time_aligned_for_good_headings"].value == pytest.approx(150 * 0.033)
     assert numbers["share_aligned_headings"].value == pytest.approx(250 / 300)

@@ -16,7 +16,7 @@ from posflock_robotarium.alignment.estimators import (
 )
 from posflock_robotarium.alignment.truth import MOTIONS, POSITION_NOISE, errors, known_flock
 from posflock_robotarium.flocking.errors import ParameterError
-from posflock_robotarium.report import Recording, analyse
+from posflock_robotarium.report import Run, analyse
 
 
 @pytest.fixture(scope="module")
@@ -76,7 +76,7 @@ def test_uneven_steps_do_not_bend_a_straight_line_or_a_parabola(jitter, seed):
     x = 0.3 + 0.1 * t - 0.02 * t**2
     poses = np.zeros((len(t), 3, 1))
     poses[:, 0, 0] = x
-    motion = estimate(Recording("uneven", t, poses), "savitzky_golay")
+    motion = estimate(Run("uneven", t, poses), "savitzky_golay")
     np.testing.assert_allclose(motion.velocities[:, 0, 0], 0.1 - 0.04 * t, atol=1e-9)
 
 
@@ -89,7 +89,7 @@ def test_even_steps_are_the_metrics_own_filter():
     # The fit for uneven times is the same filter: tell it that steps are a little uneven.
     nudged = recording.t.copy()
     nudged[50] += 1e-6
-    other = estimate(Recording("nudged", nudged, recording.poses), "savitzky_golay")
+    other = estimate(Run("nudged", nudged, recording.poses), "savitzky_golay")
     np.testing.assert_allclose(other.velocities, expected, atol=2e-5)
 
 
@@ -98,7 +98,7 @@ def test_no_estimate_looks_across_a_gap():
     poses = np.zeros((60, 3, 1))
     poses[:30, 0, 0] = 0.1 * t[:30]
     poses[30:, 1, 0] = 0.1 * t[30:]
-    recording = Recording("gap", t, poses)
+    recording = Run("gap", t, poses)
     for name in ("savitzky_golay", "differences"):
         velocities = estimate(recording, name).velocities[:, :, 0]
         np.testing.assert_allclose(velocities[:30], [[0.1, 0]] * 30, atol=1e-12)
@@ -109,7 +109,7 @@ def test_stretches_too_short_for_the_window_use_what_they_have():
     t = np.array([0, 1, 2, 3, 30, 60, 61.0]) * 0.033
     poses = np.zeros((7, 3, 2))
     poses[:, 0] = 0.2 * t[:, np.newaxis]
-    velocities = estimate(Recording("short", t, poses), "savitzky_golay").velocities
+    velocities = estimate(Run("short", t, poses), "savitzky_golay").velocities
     expected = np.full(7, 0.2)
     expected[4] = np.nan  # a sample alone between two gaps has no motion
     np.testing.assert_allclose(velocities[:, 0, 0], expected, atol=1e-9)

@@ -27,7 +27,7 @@ def recording():
     samples, _, robots = flock.recording.poses.shape
     command = np.zeros((samples, 2, robots))
     command[:, 0] = 0.1
-    return dataclasses.replace(flock.recording, command=command)
+    return dataclasses.replace(flock.recording, commands=command)
 
 
 @pytest.fixture
@@ -37,7 +37,7 @@ def log(tmp_path, recording):
     parameters = {"neighbour_radius": 0.72, "api_generation": 2, "seed": 1}
     with PoseLog(path, recording.robots, len(recording.t), parameters) as writer:
         for k, t in enumerate(recording.t):
-            writer.append(t, recording.poses[k], recording.command[k], status="optimal")
+            writer.append(t, recording.poses[k], recording.commands[k], status="optimal")
     return path.with_suffix(".npy")
 
 
@@ -47,7 +47,7 @@ def test_what_is_converted_is_read_back_to_the_last_bit(tmp_path, recording, end
     np.testing.assert_array_equal(again.poses, recording.poses)
     np.testing.assert_array_equal(again.t, recording.t)
     if ending != "csv":
-        np.testing.assert_array_equal(again.command, recording.command)
+        np.testing.assert_array_equal(again.commands, recording.commands)
 
 
 @pytest.mark.parametrize("ending", ["mat", "csv", "npz"])
@@ -66,7 +66,9 @@ def test_a_converted_log_reports_the_same_without_being_told_more(tmp_path, endi
         for k, t in enumerate(flock.t):
             command = np.full((2, flock.robots), 0.1)
             status = ("trivial", "optimal", "relaxed")[k % 3]
-            writer.append(t, flock.poses[k], command, status=status, moved=k * 1e-4, clearance=0.1)
+            writer.append(
+                t, flock.poses[k], command, status=status, intervention=k * 1e-4, clearance=0.1
+            )
         writer.close("interrupted", "a human")
     original = analyse(tmp_path / "run.npy")
     again = analyse(convert(original.recording, tmp_path / f"run.{ending}"))
@@ -284,7 +286,7 @@ def test_replay_and_convert_commands(log, tmp_path):
     assert (tmp_path / "run.gif").stat().st_size > 1000
     posflock("convert", log, "--to", "csv", "-o", tmp_path / "run.csv")
     assert read(tmp_path / "run.csv").robots == 10
-    with pytest.raises(ParameterError, match="none of mat, csv"):
+    with pytest.raises(ParameterError, match="none of npy, mat, csv"):
         posflock("convert", log, "--to", "doc")
 
 

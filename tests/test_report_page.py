@@ -12,7 +12,7 @@ import pytest
 from posflock_robotarium.alignment.truth import known_flock
 from posflock_robotarium.flocking.errors import OutputError, ParameterError
 from posflock_robotarium.flocking.pose_log import PoseLog
-from posflock_robotarium.report import Recording, analyse
+from posflock_robotarium.report import Run, analyse
 from posflock_robotarium.report.outputs import (
     latex_table,
     write_curves,
@@ -142,8 +142,8 @@ def test_nine_robots_for_two_minutes_stay_under_three_megabytes():
     flock = known_flock("rotating", 0.1, robots=10, duration=120.0)
     recording = dataclasses.replace(
         flock.recording,
-        command=np.full((len(flock.recording.t), 2, 10), 0.1),
-        moved=np.zeros(len(flock.recording.t)),
+        commands=np.full((len(flock.recording.t), 2, 10), 0.1),
+        intervention=np.zeros(len(flock.recording.t)),
     )
     assert len(render([analyse(recording, radius=flock.radius)]).encode()) < 3e6
 
@@ -154,7 +154,7 @@ def test_long_runs_are_thinned_and_keep_their_worst_moment():
     poses = np.zeros((samples, 3, robots))
     poses[:, 0] = 0.2 * np.arange(robots)
     poses[12_345, 0, 3] = poses[12_345, 0, 2] + 0.05
-    analysis = analyse(Recording("long", t, poses), radius=0.75)
+    analysis = analyse(Run("long", t, poses), radius=0.75)
     page = render([analysis])
     assert len(page.encode()) < 3e6
     data = data_of(page)

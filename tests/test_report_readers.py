@@ -17,7 +17,7 @@ from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.flocking.pose_log import PoseLog
 from posflock_robotarium.logs.readers.layouts import sideways_share, to_poses
 from posflock_robotarium.logs.readers.matlab5 import read_matlab5
-from posflock_robotarium.report import LayoutError, ReadOptions, Recording, read, read_parts
+from posflock_robotarium.report import LayoutError, ReadOptions, Run, read, read_parts
 
 STEP = 0.033
 
@@ -257,7 +257,7 @@ def log_of(path, rows, **metadata):
     """Write a pose log without closing it: a process that was killed."""
     log = PoseLog(path, robots=4, steps=len(T), metadata={"neighbour_radius": 0.75, **metadata})
     for k in range(rows):
-        log.append(T[k], POSES[k], np.zeros((2, 4)), status="optimal", moved=0.01)
+        log.append(T[k], POSES[k], np.zeros((2, 4)), status="optimal", intervention=0.01)
     return log
 
 
@@ -317,7 +317,7 @@ def test_files_that_complement_each_other(tmp_path, prefix):
 
 def test_gaps_stay_gaps():
     t = np.concatenate([T[:15], T[25:]])
-    recording = Recording("gap", t, np.concatenate([POSES[:15], POSES[25:]]))
+    recording = Run("gap", t, np.concatenate([POSES[:15], POSES[25:]]))
     assert recording.gaps.tolist() == [15]
     assert recording.segments == [slice(0, 15), slice(15, 30)]
 

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from posflock_robotarium.cli import app
 from posflock_robotarium.flocking.errors import PosflockError
-from posflock_robotarium.flocking.pose_log import read_log
+from posflock_robotarium.logs.readers import read_pose_log
 from posflock_robotarium.logs.recorder import open_pose_log
 from rps_compat.errors import ScriptError
 from rps_compat.run_result import summary
@@ -38,7 +38,7 @@ def run(tmp_path, capsys):
         )
         printed = capsys.readouterr()
         result_log = tmp_path / "out" / "poses.npy"
-        log = read_log(result_log) if result_log.exists() else None
+        log = read_pose_log(result_log) if result_log.exists() else None
         return result, printed.out, printed.err, log
 
     return run
@@ -93,8 +93,8 @@ def test_endless_script_is_stopped_and_its_log_kept(run):
     # The step in which it was stopped may have been begun and not ended.
     assert len(log.t) - result.reports[0].steps in (0, 1)
     assert len(log.t) > 100
-    assert log.metadata["ended"]["how"] == "interrupted"
-    assert "time limit" in log.metadata["ended"]["reason"]
+    assert log.parameters["ended"]["how"] == "interrupted"
+    assert "time limit" in log.parameters["ended"]["reason"]
 
 
 def test_wrong_name_gets_the_right_one(run):
@@ -150,7 +150,7 @@ def test_command_that_is_no_number_stops_the_run(run):
     assert result.ended == "failed"
     assert "the turn rate of robot 2 is nan" in result.reason
     assert len(log.t) == 7
-    assert log.metadata["ended"]["how"] == "failed"
+    assert log.parameters["ended"]["how"] == "failed"
 
 
 def test_same_seed_same_bytes(run, tmp_path):
@@ -239,8 +239,7 @@ def test_a_script_without_a_robotarium_is_noted(tmp_path):
 
 
 def test_limits_are_those_of_the_testbed():
-    from posflock_robotarium import testbed
-    from rps_compat import report
+    from rps_compat import report, testbed
 
     assert report.TESTBED_ROBOTS == testbed.MAX_ROBOTS
     assert report.TESTBED_SECONDS == testbed.MAX_DURATION

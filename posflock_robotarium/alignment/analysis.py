@@ -1,12 +1,12 @@
 """What a run was, computed once: curves, numbers, faults and verdicts, to save, reload, compare.
 
 >>> import numpy as np
->>> from posflock_robotarium.report import Recording, analyse
+>>> from posflock_robotarium.report import Run, analyse
 >>> t = np.arange(100) * 0.033
 >>> poses = np.zeros((100, 3, 2))
 >>> poses[:, 0] = 0.1 * t[:, np.newaxis]
 >>> poses[:, 1] = [0.0, 0.4]
->>> analysis = analyse(Recording("pair", t, poses), radius=0.75)
+>>> analysis = analyse(Run("pair", t, poses), radius=0.75)
 >>> analysis.numbers["gamma_motion"].value
 1.0
 """
@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from barrier_certificates import ties
 from posflock_robotarium.alignment.curves import Curves, compute
 from posflock_robotarium.alignment.estimators import ESTIMATORS, WINDOW, estimate
 from posflock_robotarium.alignment.metrics import SLOWEST
@@ -33,14 +34,16 @@ from posflock_robotarium.alignment.numbers import Number, Situation, numbers_of
 from posflock_robotarium.alignment.verdicts import Verdict, verdicts_of
 from posflock_robotarium.flocking.errors import LogError, OutputError, ParameterError
 from posflock_robotarium.flocking.flock import WALLS
-from posflock_robotarium.logs.readers import ReadOptions, Recording, read
+from posflock_robotarium.logs.readers import ReadOptions, Run, read
 from posflock_robotarium.logs.readers.numpy_files import read_npz
-from rps_compat.arena import GRITSBOT_X, GTERNAL, RobotModel
+from rps_compat.testbed import RobotModel
 from rps_compat.violations import Event
 
 Floats = NDArray[np.float64]
 
 FORMAT = "posflock analysis 1"
+
+_COLUMNS = ("commands", "intervention", "clearance", "status")
 
 SETTLE = 20.0
 """Seconds after which a flock should have aligned, unless it is told otherwise."""
@@ -96,7 +99,7 @@ class Analysis:
 
     Attributes
     ----------
-    recording : Recording
+    recording : Run
         What was analysed.
     options : AnalysisOptions
         With what; its radius is the one that was used.
@@ -116,7 +119,7 @@ class Analysis:
         The run in sentences.
     """
 
-    recording: Recording
+    recording: Run
     options: AnalysisOptions
     robot: RobotModel
     generation: str
@@ -134,15 +137,17 @@ class Analysis:
     @property
     def origin(self) -> str:
         """Where the poses come from: ``simulation``, ``testbed`` or ``unknown``."""
-        simulated = self.recording.parameters.get("simulated")
-        if isinstance(simulated, bool):
-            return "simulation" if simulated else "testbed"
-        return "unknown"
+        return {True: "simulation", False: "testbed", None: "unknown"}[self.recording.simulated]
 
     @property
     def walls(self) -> str:
         """What kept the flock off the walls, in words; empty where the log does not say."""
         return WALLS.get(str(self.recording.parameters.get("walls", "")), "")
+
+    @property
+    def settle(self) -> float:
+        """Seconds after which numbers named "settled" are taken, where the run is longer."""
+        return SETTLE if self.options.settle is None else self.options.settle
 
     @property
     def settled(self) -> NDArray[np.bool_]:
@@ -194,7 +199,7 @@ class Analysis:
             "poses": recording.poses,
             "analysis": np.frombuffer(json.dumps(self.summary()).encode(), dtype=np.uint8),
         }
-        for name in ("command", "moved", "clearance", "status"):
+        for name in _COLUMNS:
             values = getattr(recording, name)
             if values is not None:
                 arrays[name] = values
@@ -211,11 +216,12 @@ def settled_samples(t: Floats, settle: float | None) -> NDArray[np.bool_]:
     """Return which samples come later than `settle` seconds; all of them in a shorter run."""
     elapsed = t - t[0]
     settle = SETTLE if settle is None else settle
-    return elapsed > settle if elapsed[-1] > settle else np.ones(len(t), dtype=bool)
+    later = ties.beyond(elapsed, settle)
+    return later if later.any() else np.ones(len(t), dtype=bool)
 
 
 def analyse(
-    log: Recording | str | os.PathLike[str],
+    log: Run | str | os.PathLike[str],
     options: AnalysisOptions | None = None,
     *,
     radius: float | None = None,
@@ -225,7 +231,7 @@ def analyse(
 
     Parameters
     ----------
-    log : Recording or path
+    log : Run or path
         What to analyse; a path is read by `readers.read`.
     options : AnalysisOptions, optional
         Radius, window and thresholds.
@@ -249,15 +255,15 @@ def analyse(
     options = options or AnalysisOptions()
     if radius is not None:
         options = dataclasses.replace(options, radius=radius)
-    recording = log if isinstance(log, Recording) else read(log, read_options)
-    options = dataclasses.replace(options, radius=_radius(recording, options))
+    recording = log if isinstance(log, Run) else read(log, read_options)
+    options = dataclasses.replace(options, radius=recording.neighbour_radius(options.radius))
     if options.settle is not None and options.settle >= recording.t[-1] - recording.t[0]:
         raise ParameterError(
             f"{recording.name}: --settle is {options.settle:g} s, but the run ends after "
             f"{recording.t[-1] - recording.t[0]:.2f} s: nothing is left to take means over; "
             "give less, or leave it out"
         )
-    robot, generation = robot_of(recording)
+    robot, generation = recording.robot, recording.logged_robot.words
     motions = {name: estimate(recording, name, options.window) for name in ESTIMATORS}
     reach = np.asarray(options.radius, dtype=float)
     curves = compute(
@@ -293,12 +299,12 @@ def load(path: str | os.PathLike[str]) -> Analysis:
         summary = json.loads(arrays["analysis"].tobytes().decode())
         if summary["format"] != FORMAT:
             raise LogError(f"{target}: format {summary['format']!r}, expected {FORMAT!r}")
-        recording = Recording(
+        recording = Run(
             name=summary["run"],
             t=arrays["t"],
             poses=arrays["poses"],
-            command=arrays.get("command"),
-            moved=arrays.get("moved"),
+            commands=arrays.get("commands"),
+            intervention=arrays.get("intervention"),
             clearance=arrays.get("clearance"),
             status=arrays.get("status"),
             parameters=summary["parameters"],
@@ -353,27 +359,8 @@ def statistics(curve: Floats) -> dict[str, float | int]:
     }
 
 
-def robot_of(recording: Recording) -> tuple[RobotModel, str]:
-    """Return the robot that the log says it was, with the log's own arena if it names one."""
-    asked = recording.parameters.get("api_generation")
-    if asked == 1:
-        model, words = GRITSBOT_X, "generation 1 (GRITSBot X)"
-    else:
-        model = GTERNAL
-        words = "generation 2 (GTernal)" + ("" if asked == 2 else ", assumed")
-    arena = recording.parameters.get("arena")
-    if isinstance(arena, (list, tuple)) and len(arena) == 4:
-        try:
-            left, right, bottom, top = (float(edge) for edge in arena)
-        except (TypeError, ValueError):
-            return model, words
-        if left < right and bottom < top and math.isfinite(left + right + bottom + top):
-            model = dataclasses.replace(model, boundaries=(left, right, bottom, top))
-    return model, words
-
-
 def _judge(
-    recording: Recording, options: AnalysisOptions, robot: RobotModel, curves: Curves
+    recording: Run, options: AnalysisOptions, robot: RobotModel, curves: Curves
 ) -> tuple[dict[str, Number], tuple[Verdict, ...]]:
     situation = Situation(
         recording=recording,
@@ -386,29 +373,6 @@ def _judge(
     )
     numbers = numbers_of(situation)
     return numbers, verdicts_of(recording, numbers, options.threshold, options.slowest)
-
-
-def _radius(recording: Recording, options: AnalysisOptions) -> float | tuple[float, ...]:
-    radius = options.radius
-    if radius is None:
-        radius = recording.parameters.get("neighbour_radius")
-    if radius is None:
-        raise LogError(
-            f"{recording.name}: the log does not say the neighbour radius; "
-            "give it in metres with --radius (0.75 in the nine-robot experiment)"
-        )
-    try:
-        values = np.asarray(radius, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise LogError(f"{recording.name}: neighbour radius {radius!r} is no number") from error
-    if values.ndim > 1 or (values.ndim == 1 and len(values) != recording.robots):
-        raise LogError(
-            f"{recording.name}: neighbour radius of shape {values.shape} for "
-            f"{recording.robots} robots; expected one, or one a robot"
-        )
-    if not (np.isfinite(values).all() and (values > 0).all()):
-        raise LogError(f"{recording.name}: neighbour radius {radius!r}; expected metres above 0")
-    return float(values) if values.ndim == 0 else tuple(values.tolist())
 
 
 def _plain(value: Any) -> Any:

@@ -195,7 +195,7 @@ QUANTITIES: tuple[Quantity, ...] = (
         "largest",
     ),
     Quantity(
-        "moved",
+        "intervention",
         "intervention of the certificate",
         "m/s",
         "How far the safety certificate changed a robot's velocity, at most.",
@@ -272,7 +272,7 @@ def panels(collision: float) -> tuple[Panel, ...]:
             (0.0, None),
         ),
         Panel("heading", "Heading of the flock", "rad", ("heading",)),
-        Panel("certificate", "Certificate", "m/s", ("moved",), (0.0, None)),
+        Panel("certificate", "Certificate", "m/s", ("intervention",), (0.0, None)),
         Panel("clearance", "Clearance", "m", ("clearance",), (None, None), ((0.0, "unsafe"),)),
         Panel("wheels", "Fastest wheel", "rad/s", ("fastest_wheel",), (0.0, None)),
     )

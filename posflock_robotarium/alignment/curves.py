@@ -12,12 +12,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from barrier_certificates import ties
 from posflock_robotarium.alignment import metrics
 from posflock_robotarium.alignment.estimators import Motion
 from posflock_robotarium.flocking.law import neighbours
-from posflock_robotarium.logs.readers import Recording
-from rps_compat.arena import RobotModel
+from posflock_robotarium.logs.readers import Run
+from rps_compat.arena import violations_of
+from rps_compat.testbed import RobotModel
 from rps_compat.violations import Violations
 
 Floats = NDArray[np.float64]
@@ -25,6 +25,9 @@ Floats = NDArray[np.float64]
 PAIRS_AT_A_TIME = 200_000
 """Robot pairs in one stretch: a few MB of temporaries, which stay in the processor's cache."""
 
+
+DOUBTFUL = 1e-6
+"""Metres from a wall, or beyond the collision diameter, within which the arena is asked."""
 
 SHARED = 0.1
 """Polarisation below which headings have no common direction, only what noise leaves of one."""
@@ -41,7 +44,7 @@ class Curves:
 
 
 def compute(
-    recording: Recording,
+    recording: Run,
     motions: dict[str, Motion],
     radius: float | Floats,
     slowest: float,
@@ -51,7 +54,7 @@ def compute(
 
     Parameters
     ----------
-    recording : Recording
+    recording : Run
         Poses over time.
     motions : dict
         Velocities by estimator.
@@ -69,7 +72,6 @@ def compute(
     """
     samples, robots = len(recording.t), recording.robots
     values: dict[str, Floats] = {}
-    violations = Violations()
     smooth = motions["savitzky_golay"].velocities
     speeds = np.sqrt(np.square(smooth).sum(axis=1))
 
@@ -106,23 +108,20 @@ def compute(
             put("nearest_neighbour", stretch, metrics.nearest_neighbour_distance(positions))
             put("smallest_distance", stretch, metrics.smallest_distance(positions))
             points = positions + robot.collision_offset * metrics.heading_vectors(poses)
-            closest = metrics.smallest_distance(points)
-            put("smallest_collision_distance", stretch, closest)
-            _note_collisions(violations, points, closest, stretch.start, robot.collision_diameter)
-        _note_boundary(violations, positions, values["wall_distance"], stretch, robot)
+            put("smallest_collision_distance", stretch, metrics.smallest_distance(points))
     if robots > 1:
         values |= _connectivity(recording.poses[:, :2], radius)
-    if recording.command is not None:
+    if recording.commands is not None:
         values["fastest_wheel"] = metrics.fastest_wheel(
-            recording.command, robot.wheel_radius, robot.base_length
+            recording.commands, robot.wheel_radius, robot.base_length
         )
-    if recording.moved is not None:
-        values["moved"] = recording.moved
+    if recording.intervention is not None:
+        values["intervention"] = recording.intervention
     if recording.clearance is not None and np.isfinite(recording.clearance).any():
         values["clearance"] = np.where(
             np.isfinite(recording.clearance), recording.clearance, np.nan
         )
-    return Curves(values, violations, speeds)
+    return Curves(values, _violations(recording, robot, values), speeds)
 
 
 def _stretches(samples: int, robots: int) -> Iterator[slice]:
@@ -131,25 +130,13 @@ def _stretches(samples: int, robots: int) -> Iterator[slice]:
         yield slice(start, min(start + length, samples))
 
 
-def _note_collisions(
-    violations: Violations, points: Floats, closest: Floats, first: int, diameter: float
-) -> None:
-    """Hand the samples at which some pair is too close to the testbed's own book-keeping."""
-    i, j = np.triu_indices(points.shape[2], 1)
-    for row in np.flatnonzero(ties.within(closest, diameter)).tolist():
-        distances = np.hypot(*(points[row, :, i] - points[row, :, j]).T)
-        close = ties.within(distances, diameter)
-        violations.close(first + row, i[close], j[close], distances[close])
-
-
-def _note_boundary(
-    violations: Violations, positions: Floats, walls: Floats, stretch: slice, robot: RobotModel
-) -> None:
-    left, right, bottom, top = robot.boundaries
-    for row in np.flatnonzero(ties.short_of(walls[stretch], 0.0)).tolist():
-        x, y = positions[row]
-        beyond = np.maximum.reduce([left - x, x - right, bottom - y, y - top])
-        violations.outside(stretch.start + row, beyond)
+def _violations(run: Run, robot: RobotModel, values: dict[str, Floats]) -> Violations:
+    """Let the arena itself test the samples at which something may be wrong."""
+    doubtful = values["wall_distance"] < DOUBTFUL
+    if run.robots > 1:
+        closest = values["smallest_collision_distance"]
+        doubtful |= closest < robot.collision_diameter + DOUBTFUL
+    return violations_of(run.poses, robot, np.flatnonzero(doubtful).tolist())
 
 
 def _connectivity(positions: Floats, radius: float | Floats) -> dict[str, Floats]:

@@ -30,7 +30,7 @@ from posflock_robotarium.alignment.metrics import (
     velocities_by_differences,
 )
 from posflock_robotarium.flocking.errors import ParameterError
-from posflock_robotarium.logs.readers import Recording
+from posflock_robotarium.logs.readers import Run
 
 Floats = NDArray[np.float64]
 _SegmentEstimator = Callable[[Floats, Floats, int], Floats]
@@ -70,12 +70,12 @@ class Motion:
     description: str
 
 
-def estimate(recording: Recording, estimator: str, window: float = WINDOW) -> Motion:
+def estimate(recording: Run, estimator: str, window: float = WINDOW) -> Motion:
     """Estimate motion by one of the three estimators; none looks across a gap.
 
     Parameters
     ----------
-    recording : Recording
+    recording : Run
         Poses over time.
     estimator : {'headings', 'savitzky_golay', 'differences'}
         Which one.
@@ -121,7 +121,7 @@ def window_points(step: float, window: float) -> int:
     return max(3, 1 - 2 * ties.nearest_whole((1 - window / step) / 2))
 
 
-def _by_segment(recording: Recording, points: int, estimator: _SegmentEstimator) -> Floats:
+def _by_segment(recording: Run, points: int, estimator: _SegmentEstimator) -> Floats:
     positions = recording.poses[:, :2]
     velocities = np.full(positions.shape, np.nan)
     for segment in recording.segments:
@@ -207,7 +207,7 @@ class Noise:
     course: float
 
 
-def tracking_noise(recording: Recording, speed: float, window: float = WINDOW) -> Noise:
+def tracking_noise(recording: Run, speed: float, window: float = WINDOW) -> Noise:
     r"""Measure tracking noise by what a local quadratic cannot explain.
 
     The residual of a least-squares fit at its own sample has variance :math:`\sigma^2 (1 - w)`,
@@ -215,7 +215,7 @@ def tracking_noise(recording: Recording, speed: float, window: float = WINDOW) -
 
     Parameters
     ----------
-    recording : Recording
+    recording : Run
         Poses over time.
     speed : float
         Median speed of the robots, m/s.

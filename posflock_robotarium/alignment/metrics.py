@@ -26,7 +26,7 @@ from scipy.signal import savgol_filter
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components as _components
 
-from barrier_certificates.ties import TIE, beyond, within
+from barrier_certificates.ties import TIE, beyond
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.law import displacements, neighbours
 from posflock_robotarium.freespace.neighbour_search import (
@@ -178,9 +178,7 @@ def mean_speed(velocities: ArrayLike) -> Floats:
     return np.asarray(np.sqrt(np.square(_states(velocities, "velocities")).sum(-2)).mean(-1))
 
 
-def wall_distance(
-    positions: ArrayLike, arena: tuple[float, float, float, float] = (-1.6, 1.6, -1.0, 1.0)
-) -> Floats:
+def wall_distance(positions: ArrayLike, arena: tuple[float, float, float, float]) -> Floats:
     """Return how far the agent nearest to a wall is inside the arena, metres.
 
     Negative where an agent is outside.
@@ -198,28 +196,7 @@ def wall_distance(
     return np.asarray(to_walls.min(axis=(0, -1)))
 
 
-def colliding_pairs(
-    poses: ArrayLike, diameter: float = 0.135, ahead: float = 0.025
-) -> NDArray[np.int_]:
-    """Return how many pairs the testbed would call in collision, (...) for (..., 3, N) poses.
-
-    Parameters
-    ----------
-    poses : (..., 3, N) array
-        Metres and radians.
-    diameter, ahead : float
-        Two robots collide where the points `ahead` metres before their centres are no farther
-        apart than `diameter` metres (the testbed's own test).
-    """
-    x = np.asarray(poses, dtype=float)
-    points = x[..., :2, :] + ahead * heading_vectors(x)
-    close = within(_distances(points), diameter)
-    return np.asarray(close.sum(axis=(-2, -1)) // 2)
-
-
-def fastest_wheel(
-    commands: ArrayLike, wheel_radius: float = 0.016, base_length: float = 0.105
-) -> Floats:
+def fastest_wheel(commands: ArrayLike, wheel_radius: float, base_length: float) -> Floats:
     """Return the highest |wheel speed| that (..., 2, N) commands (v, ω) ask for, rad/s."""
     u = np.asarray(commands, dtype=float)
     fastest = np.abs(u[..., 0, :]) + np.abs(u[..., 1, :]) * (base_length / 2.0)

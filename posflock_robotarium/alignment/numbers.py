@@ -13,8 +13,8 @@ from barrier_certificates import ties
 from posflock_robotarium.alignment.curves import Curves
 from posflock_robotarium.alignment.estimators import expected_bias, tracking_noise
 from posflock_robotarium.flocking.pose_log import INTERVENED
-from posflock_robotarium.logs.readers import Recording
-from rps_compat.arena import RobotModel
+from posflock_robotarium.logs.readers import Run
+from rps_compat.testbed import RobotModel
 
 Floats = NDArray[np.float64]
 
@@ -46,7 +46,7 @@ class Number:
 class Situation:
     """Everything the numbers are taken from."""
 
-    recording: Recording
+    recording: Run
     curves: Curves
     robot: RobotModel
     settled: NDArray[np.bool_]
@@ -67,7 +67,7 @@ def numbers_of(s: Situation) -> dict[str, Number]:
     Parameters
     ----------
     s : Situation
-        Recording, curves and options.
+        Run, curves and options.
 
     Returns
     -------
@@ -234,7 +234,7 @@ def _motion(s: Situation, add: _Add) -> None:
         "m",
         "Straight line from the first to the last position of the flock's centroid.",
     )
-    if r.command is not None:
+    if r.commands is not None:
         count, seconds = _stalls(r, speeds, s.slowest)
         add(
             "stalls",
@@ -245,6 +245,13 @@ def _motion(s: Situation, add: _Add) -> None:
             f"{STALL_COMMAND:g} m/s or more.",
         )
         add("stall_time", "time stalled", seconds, "s", "Sum over robots.")
+        add(
+            "fastest_wheel",
+            "fastest wheel asked for",
+            float(values["fastest_wheel"].max()),
+            "rad/s",
+            f"Whole run; axle {s.robot.base_length:g} m.",
+        )
         excess = values["fastest_wheel"] - s.robot.max_wheel_velocity
         excess[~ties.beyond(excess, 0.0)] = 0.0
         add(
@@ -368,8 +375,8 @@ def _safety(s: Situation, add: _Add) -> None:
 
 def _certificate(s: Situation, add: _Add) -> None:
     r = s.recording
-    if r.moved is not None and np.isfinite(r.moved).any():
-        moved = r.moved[np.isfinite(r.moved)]
+    if r.intervention is not None and np.isfinite(r.intervention).any():
+        moved = r.intervention[np.isfinite(r.intervention)]
         intervened = ties.beyond(moved, INTERVENED)
         add(
             "interventions",
@@ -404,7 +411,7 @@ def _certificate(s: Situation, add: _Add) -> None:
                 "m",
                 "Negative: the run started unsafe, so that the certificate guarantees nothing.",
             )
-    if r.status is not None and not (r.status == "none").all():
+    if r.status is not None:
         unsolved = int(np.isin(r.status, ("relaxed", "failed")).sum())
         add(
             "unsolved",
@@ -460,7 +467,7 @@ def _since(s: Situation) -> str:
     return f"after {s.recording.t[first] - s.recording.t[0]:.0f} s"
 
 
-def _weights(r: Recording) -> Floats:
+def _weights(r: Run) -> Floats:
     """Return the time each sample stands for; all one when samples are evenly spaced."""
     steps = np.diff(r.t)
     if np.abs(steps - steps.mean()).max() <= 1e-6 * steps.mean():
@@ -486,10 +493,10 @@ def _circular_deviation(angles: Floats) -> float:
     return float(np.sqrt(-2.0 * np.log(length))) if length > 0 else float("inf")
 
 
-def _stalls(r: Recording, speeds: Floats, slowest: float) -> tuple[int, float]:
+def _stalls(r: Run, speeds: Floats, slowest: float) -> tuple[int, float]:
     """Count stalls and their seconds, robot by robot."""
-    assert r.command is not None
-    driven = ties.reached(np.abs(r.command[:, 0]), STALL_COMMAND)
+    assert r.commands is not None
+    driven = ties.reached(np.abs(r.commands[:, 0]), STALL_COMMAND)
     stuck = ties.within(speeds, slowest) & driven
     count, seconds = 0, 0.0
     for column in stuck.T:

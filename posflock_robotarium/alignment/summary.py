@@ -1,4 +1,7 @@
-"""A run in a dozen numbers, which answer: did it align, did it move, was it safe."""
+"""A run in a dozen numbers, which answer: did it align, did it move, was it safe.
+
+Nothing is computed here: a summary is a selection of the numbers of an `Analysis`.
+"""
 
 from __future__ import annotations
 
@@ -6,15 +9,10 @@ import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
-import numpy as np
-
-from barrier_certificates import ties
 from posflock_robotarium.alignment import metrics
+from posflock_robotarium.alignment.analysis import Analysis, AnalysisOptions, analyse
 from posflock_robotarium.flocking.errors import LogError
-from posflock_robotarium.flocking.pose_log import INTERVENED, Log
-
-#: Seconds after which the flock should have aligned: means are taken from here on.
-SETTLED = 20.0
+from posflock_robotarium.logs.run import Run
 
 
 @dataclass(frozen=True)
@@ -26,27 +24,30 @@ class Summary:
     Attributes
     ----------
     duration, settled : float
-        Seconds.
+        From the first pose to the end of the last step; after which means are taken.  Seconds.
     gamma_headings, gamma_motion : float
         Mean γ from where robots point and from where they go (Savitzky-Golay; robots no faster
         than `metrics.SLOWEST` have no direction), as the report has it; NaN where undefined.
     mean_speed : float
         m/s.
     smallest_distance, smallest_wall_distance : float
-        Least distance between two centres, and of a centre from a wall, in the whole run, m.
+        Least distance between two centres, and of a centre from a wall, in the whole run, m;
+        the walls are those of the run's own arena.
     fastest_wheel : float
-        Highest wheel speed commanded, rad/s.
-    collisions, steps_outside, steps_infeasible : int
+        Highest wheel speed commanded, rad/s, of the run's own robot.
+    collisions, steps_outside, steps_infeasible : int, optional
         Pairs in collision summed over steps; steps with a centre outside the arena; steps
-        whose certificate was not solved as it stands.
+        whose certificate was not solved as it stands.  None where unknown.
     smallest_clearance : float
         Least distance beyond what the certificate keeps, between look-ahead points and from walls,
-        m; negative where the team was unsafe.  As the certificate saw it; NaN where it is unknown.
+        m; negative where the team was unsafe.  As the certificate saw it.
     share_intervened, largest_intervention : float
         Share of steps in which the certificate changed a velocity by more than 1 mm/s, and by how
-        much at most, m/s; NaN without a certificate.
-    ended : str
+        much at most, m/s.
+    ended : str, optional
         How the run ended.
+
+    A figure that is unknown or undefined is NaN, a count None: never 0.
     """
 
     duration: float
@@ -57,13 +58,13 @@ class Summary:
     smallest_distance: float
     smallest_wall_distance: float
     fastest_wheel: float
-    collisions: int
-    steps_outside: int
-    steps_infeasible: int
+    collisions: int | None
+    steps_outside: int | None
+    steps_infeasible: int | None
     smallest_clearance: float
     share_intervened: float
     largest_intervention: float
-    ended: str
+    ended: str | None
 
     def as_dict(self) -> dict[str, Any]:
         """Return the numbers under their names, ready for JSON; what is undefined is None."""
@@ -74,17 +75,18 @@ class Summary:
 
     def __str__(self) -> str:
         since = f"t > {self.settled:g} s"
+        unsolved = "unknown" if self.steps_infeasible is None else self.steps_infeasible
         return "\n".join(
             [
-                f"run of {self.duration:.1f} s, {self.ended}",
-                f"  alignment γ, {since}    headings {self.gamma_headings:.3f}"
-                f"   motion {self.gamma_motion:.3f}",
-                f"  mean speed, {since}     {self.mean_speed:.3f} m/s",
-                f"  smallest distance        robots {self.smallest_distance:.3f} m"
-                f"   wall {self.smallest_wall_distance:.3f} m",
-                f"  fastest wheel            {self.fastest_wheel:.1f} rad/s",
-                f"  collisions {self.collisions}, steps outside {self.steps_outside},"
-                f" infeasible certificates {self.steps_infeasible}",
+                f"run of {self.duration:.1f} s, {self.ended or 'unknown how it ended'}",
+                f"  alignment γ, {since}    headings {_told(self.gamma_headings, '.3f')}"
+                f"   motion {_told(self.gamma_motion, '.3f')}",
+                f"  mean speed, {since}     {_told(self.mean_speed, '.3f', ' m/s')}",
+                f"  smallest distance        robots {_told(self.smallest_distance, '.3f', ' m')}"
+                f"   wall {_told(self.smallest_wall_distance, '.3f', ' m')}",
+                f"  fastest wheel            {_told(self.fastest_wheel, '.1f', ' rad/s')}",
+                f"  collisions {self.collisions or 0}, steps outside {self.steps_outside},"
+                f" infeasible certificates {unsolved}",
                 f"  smallest clearance       {_told(self.smallest_clearance, '.3f', ' m')}",
                 f"  certificate intervened   {_told(self.share_intervened, '.1%', ' of steps')},"
                 f" by {_told(self.largest_intervention, '.3f', ' m/s')} at most",
@@ -92,70 +94,59 @@ class Summary:
         )
 
 
-def summarise(log: Log, radius: float | None = None, settled: float = SETTLED) -> Summary:
+def summarise(run: Run, radius: float | None = None) -> Summary:
     """Return the figures of a run.
 
     Parameters
     ----------
-    log : Log
+    run : Run
         What was recorded.
     radius : float, optional
         Neighbour radius in metres; by default what the log says.
-    settled : float
-        Seconds from which means are taken.
 
     Raises
     ------
     LogError
-        Where the log is too short for velocities, or no neighbour radius is known.
+        Where the run is too short for velocities, or no neighbour radius is known.
     """
-    if len(log.t) < metrics.SMOOTHING_POINTS:
+    if len(run.t) < metrics.SMOOTHING_POINTS:
         raise LogError(
-            f"the log holds {len(log.t)} rows; at least {metrics.SMOOTHING_POINTS} are needed"
-            " to tell directions of motion"
+            f"{run.name}: {len(run.t)} rows; at least {metrics.SMOOTHING_POINTS} are needed to tell"
+            " directions of motion"
         )
-    radius = log.neighbour_radius(radius)
-    time_step = log.time_step
-    positions = log.poses[:, :2]
-    velocities = metrics.smoothed_velocities(positions, time_step)
-    late = ties.beyond(log.t, settled)
-    if not late.any():
-        settled, late = 0.0, np.ones(len(log.t), dtype=bool)
-    headings = metrics.heading_vectors(log.poses[late])
-    motion = metrics.alignment(velocities[late], positions[late], radius, slowest=metrics.SLOWEST)
-    walls = metrics.wall_distance(positions)
+    return summary_of(analyse(run, AnalysisOptions(radius=radius)))
+
+
+def summary_of(analysis: Analysis) -> Summary:
+    """Return the figures of a run that has been analysed."""
+
+    def of(key: str) -> float:
+        number = analysis.numbers.get(key)
+        return math.nan if number is None else float(number.value)
+
+    def count(key: str) -> int | None:
+        value = of(key)
+        return None if math.isnan(value) else int(value)
+
+    ending = analysis.recording.ending
     return Summary(
-        duration=float(log.t[-1] + time_step),
-        settled=settled,
-        gamma_headings=_mean(metrics.alignment(headings, positions[late], radius).gamma),
-        gamma_motion=_mean(motion.gamma),
-        mean_speed=float(metrics.mean_speed(velocities[late]).mean()),
-        smallest_distance=float(metrics.smallest_distance(positions).min()),
-        smallest_wall_distance=float(walls.min()),
-        fastest_wheel=float(metrics.fastest_wheel(log.commands).max()),
-        collisions=int(metrics.colliding_pairs(log.poses).sum()),
-        steps_outside=int(ties.short_of(walls, 0.0).sum()),
-        steps_infeasible=int(np.isin(log.status, ("relaxed", "failed")).sum()),
-        smallest_clearance=_least(log.clearance),
-        share_intervened=_mean(
-            np.where(np.isnan(log.moved), np.nan, ties.beyond(log.moved, INTERVENED))
-        ),
-        largest_intervention=-_least(-log.moved),
-        ended=str(log.metadata.get("ended", {}).get("how", "unknown")),
+        duration=of("duration") + of("step"),
+        settled=0.0 if analysis.settled.all() else analysis.settle,
+        gamma_headings=of("gamma_headings"),
+        gamma_motion=of("gamma_motion"),
+        mean_speed=of("speed"),
+        smallest_distance=of("smallest_distance"),
+        smallest_wall_distance=of("smallest_wall_distance"),
+        fastest_wheel=of("fastest_wheel"),
+        collisions=count("collision_steps"),
+        steps_outside=count("boundary_steps"),
+        steps_infeasible=count("unsolved"),
+        smallest_clearance=of("clearance"),
+        share_intervened=of("interventions"),
+        largest_intervention=of("intervention_largest"),
+        ended=None if ending is None else ending.how.value,
     )
 
 
-def _mean(values: metrics.Floats) -> float:
-    """Return the mean over the instants at which a value is defined; NaN where it never is."""
-    known = values[~np.isnan(values)]
-    return float(known.mean()) if known.size else float("nan")
-
-
-def _least(values: metrics.Floats) -> float:
-    """Return the least of the values that are known; NaN where none is."""
-    known = values[~np.isnan(values)]
-    return float(known.min()) if known.size else float("nan")
-
-
-def _told(value: float, form: str, unit: str) -> str:
+def _told(value: float, form: str, unit: str = "") -> str:
     return "unknown" if math.isnan(value) else f"{value:{form}}{unit}"

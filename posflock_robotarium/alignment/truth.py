@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from posflock_robotarium.alignment.analysis import AnalysisOptions, analyse
 from posflock_robotarium.flocking.errors import ParameterError
-from posflock_robotarium.logs.readers import Recording
+from posflock_robotarium.logs.readers import Run
 
 Floats = NDArray[np.float64]
 
@@ -43,7 +43,7 @@ EVERYBODY = 100.0
 class KnownFlock:
     """A recording and the γ it must yield."""
 
-    recording: Recording
+    recording: Run
     radius: float
     gamma_headings: float
     gamma_motion: float
@@ -120,7 +120,7 @@ def known_flock(
     poses[:, 2] += heading_noise * rng.standard_normal(poses[:, 2].shape)
     moving = float("nan") if motion == "stopped" else gamma
     return KnownFlock(
-        Recording(f"{motion} {speed:g}", t, poses),
+        Run(f"{motion} {speed:g}", t, poses),
         float(radius),
         gamma,
         moving,

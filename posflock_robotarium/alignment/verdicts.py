@@ -16,7 +16,7 @@ import numpy as np
 from barrier_certificates import ties
 from posflock_robotarium.alignment.metrics import SMOOTHING_POINTS
 from posflock_robotarium.alignment.numbers import Number
-from posflock_robotarium.logs.readers import Recording
+from posflock_robotarium.logs.run import How, Run
 
 Mark = Literal["good", "caution", "bad", "unknown"]
 
@@ -64,13 +64,13 @@ class Verdict:
 
 
 def verdicts_of(
-    recording: Recording, numbers: Mapping[str, Number], threshold: float, slowest: float
+    recording: Run, numbers: Mapping[str, Number], threshold: float, slowest: float
 ) -> tuple[Verdict, ...]:
     """Judge a run by its numbers.
 
     Parameters
     ----------
-    recording : Recording
+    recording : Run
         For what the log says about how the run ended.
     numbers : mapping of Number
         From `numbers.numbers_of`.
@@ -265,7 +265,7 @@ def _limits(v: Mapping[str, float]) -> Iterator[Verdict]:
         yield Verdict(question, "good", "Yes.", f"No wheel over its limit, no stall. {helped}")
 
 
-def _in_degrees(recording: Recording, v: Mapping[str, float]) -> Verdict | None:
+def _in_degrees(recording: Run, v: Mapping[str, float]) -> Verdict | None:
     """Judge headings that begin beyond a full turn, and that motion does not confirm."""
     first = float(np.nanmax(np.abs(recording.poses[0, 2])))
     if first <= 2 * math.pi or not v["heading_offset"] > DOUBTFUL_HEADINGS:
@@ -321,23 +321,19 @@ def _sure(v: Mapping[str, float]) -> Verdict:
     return Verdict(question, "good", "The estimate is sharp.", because)
 
 
-def _complete(recording: Recording, v: Mapping[str, float]) -> Iterator[Verdict]:
+def _complete(recording: Run, v: Mapping[str, float]) -> Iterator[Verdict]:
     question = "Is it the whole run?"
-    parameters = recording.parameters
-    ended = parameters.get("ended")
-    how = ended.get("how") if isinstance(ended, dict) else None
-    planned = parameters.get("duration")
+    ending, planned = recording.ending, recording.planned
     length = f"{v['duration']:.1f} s are logged"
-    known = isinstance(planned, (int, float)) and math.isfinite(planned)
-    if known:
+    if planned is not None:
         length += f" of {planned:.1f} s planned"
-    if how == "finished":
+    if ending is not None and ending.how is How.FINISHED:
         yield Verdict(question, "good", "Yes, the run finished.", f"{length}.")
-    elif how is not None:
-        reason = ended.get("reason") if isinstance(ended, dict) else ""
-        words = "it was killed, or still goes on" if how == "running" else f"{how}"
-        yield Verdict(question, "caution", f"No: {words}.", f"{length}. {reason or ''}".strip())
-    elif known and ties.short_of(v["duration"], 0.95 * float(planned or 0.0)):
+    elif ending is not None:
+        killed = ending.how is How.RUNNING
+        words = "it was killed, or still goes on" if killed else ending.how.value
+        yield Verdict(question, "caution", f"No: {words}.", f"{length}. {ending.reason}".strip())
+    elif planned is not None and ties.short_of(v["duration"], 0.95 * planned):
         yield Verdict(question, "caution", "Shorter than planned.", f"{length}.")
 
 

@@ -32,7 +32,6 @@ from posflock_robotarium.calibration.log_to_profile import Calibration, calibrat
 from posflock_robotarium.calibration.resimulate import (
     read_commanded,
     resimulate,
-    write_log,
     write_profile,
 )
 
@@ -43,6 +42,5 @@ __all__ = [
     "delayed",
     "read_commanded",
     "resimulate",
-    "write_log",
     "write_profile",
 ]

@@ -9,12 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.flocking.errors import LogError
-from posflock_robotarium.flocking.pose_log import Log
+from posflock_robotarium.logs.run import Run
 from rps_compat.kinematics import wrap
 
 Floats = NDArray[np.float64]
 #: Rows below which nothing sensible can be fitted.
 _LEAST_ROWS = 60
+NO_COMMANDS = (
+    "no commands in it; a calibration compares what robots did with what they were told, which a"
+    " pose log holds"
+)
 
 
 @dataclass(frozen=True)
@@ -26,7 +30,7 @@ class Increments:
     commands: Floats
 
 
-def time_step_of(log: Log, given: float | None) -> float:
+def time_step_of(log: Run, given: float | None) -> float:
     """Return the time between a log's rows, s: as given, else their median; gaps are refused."""
     if len(log.t) < _LEAST_ROWS:
         raise LogError(f"the log has {len(log.t)} rows; a calibration needs {_LEAST_ROWS}")
@@ -40,10 +44,10 @@ def time_step_of(log: Log, given: float | None) -> float:
     return dt
 
 
-def increments_of(log: Log, offsets: Floats) -> Increments:
+def increments_of(log: Run, offsets: Floats) -> Increments:
     """Return how far robots went and turned between rows; `offsets` (N,) correct the headings."""
-    if not (np.isfinite(log.poses).all() and np.isfinite(log.commands).all()):
-        raise LogError("the log has values that are not finite")
+    if log.commands is None:
+        raise LogError(f"{log.name}: {NO_COMMANDS}")
     for row, what in ((0, "forward speed"), (1, "turn rate")):
         still = np.ptp(log.commands[:, row], axis=0) < 1e-3
         if still.any():

@@ -12,7 +12,7 @@ from posflock_robotarium.calibration.estimate import Estimate
 from posflock_robotarium.calibration.fit import LEAST_LAG, Fit
 from posflock_robotarium.calibration.increments import increments_of, time_step_of
 from posflock_robotarium.calibration.tracking import heading_offsets, lateral_jitter
-from posflock_robotarium.flocking.pose_log import Log
+from posflock_robotarium.logs.run import Run
 from rps_compat.draws import Draw, constant
 from rps_compat.realism import (
     DeadTime,
@@ -116,12 +116,12 @@ class Calibration:
         return {name: plain(getattr(self, name)) for name in self.__dataclass_fields__}
 
 
-def calibrate(log: Log, time_step: float | None = None) -> Calibration:
+def calibrate(log: Run, time_step: float | None = None) -> Calibration:
     """Fit the model to a log that has commands.
 
     Parameters
     ----------
-    log : Log
+    log : Run
         Poses as tracked, and the commands sent after each reading.
     time_step : float, optional
         Seconds between rows; the log's own by default.

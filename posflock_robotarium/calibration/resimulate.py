@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from posflock_robotarium.calibration.increments import time_step_of
+from posflock_robotarium.calibration.increments import NO_COMMANDS, time_step_of
 from posflock_robotarium.flocking.errors import LogError, OutputError
-from posflock_robotarium.flocking.pose_log import Log, PoseLog
+from posflock_robotarium.logs.run import Run
 from rps_compat.realism import Profile
 
 
-def read_commanded(path: Path | str) -> Log:
+def read_commanded(path: Path | str) -> Run:
     """Read a log that has commands from any file that the report reads.
 
     Parameters
@@ -34,29 +34,17 @@ def read_commanded(path: Path | str) -> Log:
         raise LogError(
             f"{error}; `posflock convert --to npz` with that option writes a file that says so"
         ) from error
-    rows = len(run.t)
-    if run.command is None:
-        raise LogError(
-            f"{path}: no commands in it; a calibration compares what robots did with what they"
-            " were told, which a pose log holds"
-        )
-    return Log(
-        t=run.t,
-        poses=run.poses,
-        commands=run.command,
-        status=np.full(rows, "none") if run.status is None else run.status,
-        moved=np.full(rows, math.nan) if run.moved is None else run.moved,
-        clearance=np.full(rows, math.nan) if run.clearance is None else run.clearance,
-        metadata=dict(run.parameters),
-    )
+    if run.commands is None:
+        raise LogError(f"{path}: {NO_COMMANDS}")
+    return run
 
 
-def resimulate(log: Log, profile: Profile, seed: int = 0) -> Log:
+def resimulate(log: Run, profile: Profile, seed: int = 0) -> Run:
     """Drive simulated robots with a log's commands, under a profile, from its first poses.
 
     Parameters
     ----------
-    log : Log
+    log : Run
         With commands.
     profile : Profile
         Such as :meth:`Calibration.profile`.
@@ -65,7 +53,7 @@ def resimulate(log: Log, profile: Profile, seed: int = 0) -> Log:
 
     Returns
     -------
-    Log
+    Run
         The same times and commands, and the poses that the simulator gives.
     """
     from rps_compat.arena import Arena
@@ -75,23 +63,25 @@ def resimulate(log: Log, profile: Profile, seed: int = 0) -> Log:
     if profile.heading_offset is not None and profile.heading_offset.radians.kind == "robots":
         # The log's first headings have the offset already, which the profile will add.
         start[2] -= profile.heading_offset.radians.draw(log.robots, np.random.default_rng(seed))
-    arena = Arena(start, realism=profile.start(), rng=np.random.default_rng(seed))
+    arena = Arena(start, log.robot, realism=profile.start(), rng=np.random.default_rng(seed))
+    if log.commands is None:
+        raise LogError(f"{log.name}: {NO_COMMANDS}")
     poses = np.empty_like(log.poses)
     for k, command in enumerate(log.commands):
         poses[k] = arena.observe()
         arena.commands = np.array(command)
         arena.step()
-    known = {**log.metadata, "resimulated_with": profile.name, "seed": seed, "time_step": dt}
-    return Log(log.t, poses, log.commands, log.status, log.moved, log.clearance, known)
-
-
-def write_log(log: Log, path: Path) -> Path:
-    """Write a log to ``path`` (.npy and .json) and return the array's path."""
-    known = {k: v for k, v in log.metadata.items() if k not in ("ended", "format", "versions")}
-    with PoseLog(path, log.robots, len(log.t), known) as out:
-        for k, t in enumerate(log.t):
-            out.append(float(t), log.poses[k], log.commands[k], status=str(log.status[k]))
-    return out.path
+    known = {
+        **{k: v for k, v in log.parameters.items() if k not in ("ended", "format", "versions")},
+        "resimulated_with": profile.name,
+        "seed": seed,
+        "time_step": dt,
+        "simulated": True,
+    }
+    # What a certificate said of other poses says nothing of these.
+    return replace(
+        log, poses=poses, intervention=None, clearance=None, status=None, parameters=known
+    )
 
 
 def write_profile(profile: Profile, path: Path) -> None:

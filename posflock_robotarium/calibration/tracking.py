@@ -7,11 +7,11 @@ import math
 import numpy as np
 
 from posflock_robotarium.calibration.estimate import Estimate, Z
-from posflock_robotarium.flocking.pose_log import Log
+from posflock_robotarium.logs.run import Run
 from rps_compat.kinematics import wrap
 
 
-def heading_offsets(log: Log) -> tuple[Estimate, ...]:
+def heading_offsets(log: Run) -> tuple[Estimate, ...]:
     """Estimate by how much each tracked heading is off the course driven.
 
     Motion over half a second, across and along the mean tracked heading: the slope is minus the
@@ -40,7 +40,7 @@ def heading_offsets(log: Log) -> tuple[Estimate, ...]:
     return tuple(out)
 
 
-def lateral_jitter(log: Log) -> Estimate:
+def lateral_jitter(log: Run) -> Estimate:
     """Estimate the jitter across the heading from second differences, which smooth motion has not.
 
     A robot cannot go sideways, and in three frames its path bends by next to nothing.

@@ -41,15 +41,16 @@ def calibrate(
         posflock compare back/nine_robots.npy again.npy
     """
     from posflock_robotarium.calibration import calibrate as fit
-    from posflock_robotarium.calibration import read_commanded, write_log, write_profile
+    from posflock_robotarium.calibration import read_commanded, write_profile
     from posflock_robotarium.calibration import resimulate as simulate
+    from posflock_robotarium.logs.convert import write_pose_log
 
     read = read_commanded(log)
     found = fit(read)
     profile = found.profile(name, pooled=pooled)
     write_profile(profile, out)
     if resimulate is not None:
-        write_log(simulate(read, found.profile(name)), resimulate)
+        write_pose_log(simulate(read, found.profile(name)), resimulate)
     if json_only:
         import json
 

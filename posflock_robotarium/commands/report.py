@@ -112,7 +112,8 @@ def _resimulated(runs: list[Path], profile: str | None) -> "Iterator[list[Path]]
         return
     import tempfile
 
-    from posflock_robotarium.calibration import calibrate, read_commanded, resimulate, write_log
+    from posflock_robotarium.calibration import calibrate, read_commanded, resimulate
+    from posflock_robotarium.logs.convert import write_pose_log
     from rps_compat.profiles import load_profile
 
     with tempfile.TemporaryDirectory(prefix="posflock-compare-") as folder:
@@ -123,7 +124,8 @@ def _resimulated(runs: list[Path], profile: str | None) -> "Iterator[list[Path]]
             chosen = calibrate(log).profile() if fitted else load_profile(profile)
             place = Path(folder) / str(number)
             place.mkdir()
-            again.append(write_log(resimulate(log, chosen), place / f"{run.stem}_resimulated"))
+            target = place / f"{run.stem}_resimulated"
+            again.append(write_pose_log(resimulate(log, chosen), target))
         yield [*runs, *again]
 
 
@@ -225,23 +227,25 @@ def replay(
 
         posflock replay results/nine_robots.npy --video run.gif --speed 8
     """
-    from posflock_robotarium.alignment.analysis import robot_of
     from posflock_robotarium.commands.terminal import progress
     from posflock_robotarium.report import read
     from posflock_robotarium.report.video import write_video
 
     recording = read(log, _options(layout, columns, dt, array, drop_damaged))
     with progress("filming") as told:
-        write_video(
-            recording, video, fps=fps, speed=speed, robot=robot_of(recording)[0], progress=told
-        )
+        write_video(recording, video, fps=fps, speed=speed, robot=recording.robot, progress=told)
     typer.echo(f"wrote {video}")
 
 
 def convert(
     log: Log,
     to: Annotated[
-        str, typer.Option("--to", help="mat, csv, npz or mcap (for Foxglove).", show_default=False)
+        str,
+        typer.Option(
+            "--to",
+            help="npy (a pose log), mat, csv, npz or mcap (for Foxglove).",
+            show_default=False,
+        ),
     ],
     out: Annotated[
         Path | None,

@@ -23,20 +23,18 @@ from posflock_robotarium.figures.style import (
 )
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.flocking.flock import WALLS
-from posflock_robotarium.flocking.pose_log import Log
-from posflock_robotarium.testbed import ROBOT_LENGTH, ROBOT_WIDTH
+from posflock_robotarium.logs.run import Run
+from rps_compat.testbed import ROBOT_LENGTH, ROBOT_WIDTH
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-#: Corners of the arena in metres (paper, Section "Experiment").
-ARENA = (-1.6, 1.6, -1.0, 1.0)
 #: Seconds of trail behind each robot in a snapshot.
 TRAIL = 12.0
 
 
-def draw_run(log: Log, folder: Path) -> list[Path]:
+def draw_run(log: Run, folder: Path) -> list[Path]:
     """Draw every figure of a run into `folder`, each as PNG and PDF; return the paths.
 
     Raises
@@ -59,12 +57,12 @@ def draw_run(log: Log, folder: Path) -> list[Path]:
 
 
 @in_style
-def snapshots(log: Log, times: Sequence[float] | None = None) -> Figure:
+def snapshots(log: Run, times: Sequence[float] | None = None) -> Figure:
     """Draw the arena at six instants: robots to scale, headings, trails (paper, Fig. 7).
 
     Parameters
     ----------
-    log : Log
+    log : Run
         The run.
     times : six floats, optional
         Seconds; evenly spread over the run by default.
@@ -74,7 +72,7 @@ def snapshots(log: Log, times: Sequence[float] | None = None) -> Figure:
     chosen = np.linspace(log.t[0], log.t[-1], 6) if times is None else np.asarray(times)
     for axes, time, letter in zip(panels.flat, chosen, "abcdef", strict=True):
         row = ties.first_smallest(np.abs(log.t - time))
-        _arena(axes)
+        _arena(axes, log)
         recent = (log.t <= log.t[row]) & ties.reached(log.t, log.t[row] - TRAIL)
         axes.plot(log.poses[recent, 0], log.poses[recent, 1], color=GREY, linewidth=0.7, zorder=1)
         for pose in log.poses[row].T:
@@ -89,13 +87,14 @@ def snapshots(log: Log, times: Sequence[float] | None = None) -> Figure:
 
 
 @in_style
-def alignment_over_time(log: Log, radius: float | None = None) -> Figure:
+def alignment_over_time(log: Run, radius: float | None = None) -> Figure:
     """Draw γ over time, from headings and from motion (paper, Fig. 8)."""
     figure = new_figure(3.5, 2.4)
     axes = figure.subplots()
-    reach = log.neighbour_radius(radius)
+    given = log.neighbour_radius(radius)
+    reach = np.array(given) if isinstance(given, tuple) else given
     positions = log.poses[:, :2]
-    motion = metrics.smoothed_velocities(positions, log.time_step)
+    motion = metrics.smoothed_velocities(positions, log.step)
     low = 0.0
     for velocities, slowest, label, colour, dash in (
         (metrics.heading_vectors(log.poses), 0.0, "headings", BLUE, "-"),
@@ -114,7 +113,7 @@ def alignment_over_time(log: Log, radius: float | None = None) -> Figure:
 
 
 @in_style
-def distances_and_speeds(log: Log) -> Figure:
+def distances_and_speeds(log: Run) -> Figure:
     """Draw nearest-neighbour, smallest and wall distances, cohesive radius, and speeds."""
     figure = new_figure(7.2, 2.4)
     left, right = figure.subplots(1, 2)
@@ -123,15 +122,21 @@ def distances_and_speeds(log: Log) -> Figure:
         (metrics.cohesive_radius(positions), "cohesive radius", BLACK, (0, (1, 1))),
         (metrics.nearest_neighbour_distance(positions), "nearest neighbour, mean", BLUE, "-"),
         (metrics.smallest_distance(positions), "closest pair", ORANGE, (0, (4, 1.5))),
-        (metrics.wall_distance(positions), "nearest wall", GREEN, (0, (5, 1, 1, 1))),
+        (
+            metrics.wall_distance(positions, log.robot.boundaries),
+            "nearest wall",
+            GREEN,
+            (0, (5, 1, 1, 1)),
+        ),
     )
     for values, label, colour, dash in curves:
         left.plot(log.t, values, color=colour, linestyle=dash, linewidth=1.1, label=label)
-    left.axhline(0.135, color=GREY, linewidth=0.8)
+    collision = log.robot.collision_diameter
+    left.axhline(collision, color=GREY, linewidth=0.8)
     left.text(
         log.t[-1],
-        0.125,
-        "collision diameter 0.135 m",
+        collision - 0.01,
+        f"collision diameter {collision:g} m",
         fontsize=6,
         color="#555555",
         ha="right",
@@ -141,7 +146,7 @@ def distances_and_speeds(log: Log) -> Figure:
     left.set_ylim(0, 1.32 * max(float(values.max()) for values, *_ in curves))
     left.legend(loc="upper right", ncols=2)
 
-    velocities = metrics.smoothed_velocities(positions, log.time_step)
+    velocities = metrics.smoothed_velocities(positions, log.step)
     speeds = np.sqrt(np.square(velocities).sum(axis=1))
     right.fill_between(
         log.t,
@@ -164,17 +169,17 @@ def distances_and_speeds(log: Log) -> Figure:
     return figure
 
 
-def _say_walls(figure: Figure, log: Log) -> None:
+def _say_walls(figure: Figure, log: Run) -> None:
     """Say above a figure what kept the flock off the walls and apart, where the log tells."""
-    words = WALLS.get(log.metadata.get("walls", ""))
+    words = WALLS.get(str(log.parameters.get("walls", "")))
     if words is not None:
-        if log.metadata.get("wheels", {}).get("pair_rows") is False:
+        if log.parameters.get("wheels", {}).get("pair_rows") is False:
             words += "; control run: nobody is kept apart"
         figure.suptitle(f"walls: {words}", fontsize=6, color="#555555", x=0.995, ha="right")
 
 
-def _arena(axes: Axes) -> None:
-    left, right, bottom, top = ARENA
+def _arena(axes: Axes, log: Run) -> None:
+    left, right, bottom, top = log.robot.boundaries
     axes.plot(
         [left, right, right, left, left],
         [bottom, bottom, top, top, bottom],

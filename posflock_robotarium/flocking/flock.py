@@ -107,7 +107,7 @@ class FlockStep:
         return {
             "command": self.command,
             "status": self.status,
-            "moved": self.intervention,
+            "intervention": self.intervention,
             "clearance": self.clearance,
         }
 

@@ -15,12 +15,11 @@ field of a row          type          meaning
 ``t``                   float64       seconds since the start, when the poses were read
 ``pose``                (3, N)        x, y in metres and θ in radians, as read
 ``command``             (2, N)        v in m/s and ω in rad/s, as sent after reading
-``status``              string        what the certificate said: trivial, optimal,
-                                      relaxed, failed, or none without a certificate
-``moved``               float64       its intervention: how far it changed a velocity at most,
-                                      m/s
+``status``              string        what the certificate said: trivial, optimal, relaxed or
+                                      failed; empty where unknown, as without a certificate
+``intervention``        float64       how far it changed a velocity at most, m/s; NaN unknown
 ``clearance``           float64       how far the team is from being unsafe, m: the least distance
-                                      beyond what the certificate keeps (NaN for both without one)
+                                      beyond what the certificate keeps; NaN unknown
 ======================  ============  ====================================================
 """
 
@@ -31,7 +30,6 @@ import json
 import math
 import os
 import platform
-from dataclasses import dataclass, field
 from importlib import metadata as installed
 from pathlib import Path
 from types import TracebackType
@@ -39,11 +37,11 @@ from typing import Any
 
 import numpy as np
 from numpy.lib import format as npy
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from posflock_robotarium.flocking.errors import LogError, OutputError, ParameterError
 
-FORMAT = "posflock pose log 1"
+FORMAT = "posflock pose log 2"
 
 #: m/s by which a certificate must change a velocity to count as an intervention.
 INTERVENED = 1e-3
@@ -59,7 +57,7 @@ def row_type(robots: int) -> np.dtype[np.void]:
             ("pose", "f8", (3, robots)),
             ("command", "f8", (2, robots)),
             ("status", _STATUS),
-            ("moved", "f8"),
+            ("intervention", "f8"),
             ("clearance", "f8"),
         ]
     )
@@ -92,7 +90,7 @@ class PoseLog:
     >>> path = pathlib.Path(tempfile.mkdtemp()) / "run"
     >>> with PoseLog(path, robots=2, steps=100) as log:
     ...     log.append(0.0, pose=np.zeros((3, 2)), command=np.zeros((2, 2)))
-    >>> read_log(path).t
+    >>> np.load(path.with_suffix(".npy"))["t"][: log.rows]
     array([0.])
     """
 
@@ -113,7 +111,7 @@ class PoseLog:
             "format": FORMAT,
             "robots": int(robots),
             "units": {"t": "s", "pose": ["m", "m", "rad"], "command": ["m/s", "rad/s"]}
-            | {"moved": "m/s", "clearance": "m"},
+            | {"intervention": "m/s", "clearance": "m"},
             "versions": versions(),
             **(metadata or {}),
         }
@@ -136,8 +134,8 @@ class PoseLog:
         pose: ArrayLike,
         command: ArrayLike,
         *,
-        status: str = "none",
-        moved: float = math.nan,
+        status: str = "",
+        intervention: float = math.nan,
         clearance: float = math.nan,
     ) -> None:
         """Write the next row.
@@ -151,9 +149,10 @@ class PoseLog:
         command : (2, N) array
             As sent, m/s and rad/s.
         status : str
-            What the certificate said.
-        moved, clearance : float
-            Its intervention (m/s); how far the team is from being unsafe (m).
+            What the certificate said; "" unknown.
+        intervention, clearance : float
+            How far it changed a velocity at most (m/s); how far the team is from being unsafe (m).
+            NaN unknown.
         """
         if self.rows == len(self._map):
             self._grow()
@@ -161,7 +160,7 @@ class PoseLog:
         row["pose"] = pose
         row["command"] = command
         row["status"] = status
-        row["moved"] = moved
+        row["intervention"] = intervention
         row["clearance"] = clearance
         row["t"] = t  # last: a row whose time is a number is whole
         self.rows += 1
@@ -169,6 +168,8 @@ class PoseLog:
     def annotate(self, **values: Any) -> None:
         """Add what became known during the run to the description beside the log."""
         self._metadata.update(values)
+        ended = self._metadata["ended"]
+        self._describe(ended["how"], ended["reason"])
 
     def close(self, how: str = "finished", reason: str = "") -> None:
         """Flush the rows and record how the run ended; a second call changes nothing.
@@ -230,117 +231,6 @@ class PoseLog:
         with open(self.path, "r+b") as file:
             file.write(draft.getvalue())
         self._map = npy.open_memmap(self.path, mode="r+")
-
-
-@dataclass(frozen=True, eq=False)
-class Log:
-    """One run, as read back.
-
-    Attributes
-    ----------
-    t : (T,) array
-        Seconds.
-    poses : (T, 3, N) array
-        Metres and radians.
-    commands : (T, 2, N) array
-        m/s and rad/s.
-    status : (T,) array of str
-        What the certificate said.
-    moved, clearance : (T,) array
-        m/s and m; NaN where unknown.
-    metadata : dict
-        The description beside the log; empty where there is none.
-    """
-
-    t: NDArray[np.float64]
-    poses: NDArray[np.float64]
-    commands: NDArray[np.float64]
-    status: NDArray[np.str_]
-    moved: NDArray[np.float64]
-    clearance: NDArray[np.float64]
-    metadata: dict[str, Any] = field(default_factory=dict)
-
-    @property
-    def robots(self) -> int:
-        """N."""
-        return int(self.poses.shape[2])
-
-    @property
-    def time_step(self) -> float:
-        """Median time between rows, seconds; a :class:`LogError` where there is one row or none."""
-        if len(self.t) < 2:
-            raise LogError(f"the log holds {len(self.t)} row(s); a time step needs two")
-        return float(np.median(np.diff(self.t)))
-
-    def neighbour_radius(self, given: float | None = None) -> float:
-        """Return the neighbour radius in metres: the one given, else what the log says.
-
-        Raises
-        ------
-        LogError
-            Where neither tells it, or it is no length.
-        """
-        radius = self.metadata.get("neighbour_radius") if given is None else given
-        if radius is None:
-            raise LogError("the log does not tell the neighbour radius; give it in metres")
-        try:
-            metres = float(radius)
-        except (TypeError, ValueError):
-            metres = math.nan
-        if not 0.0 < metres < math.inf:
-            raise LogError(f"neighbour radius is {radius!r}; expected metres above 0")
-        return metres
-
-
-def read_log(path: str | os.PathLike[str]) -> Log:
-    """Read the rows that a run reached, whether it ended well, was killed, or still runs.
-
-    Parameters
-    ----------
-    path : path
-        With or without ``.npy``.
-
-    Raises
-    ------
-    LogError
-        Where the file is missing, cut off, or not a pose log.
-    """
-    array_path, sidecar = log_paths(path)
-    try:
-        rows = np.load(array_path, mmap_mode="r", allow_pickle=False)
-    except FileNotFoundError as error:
-        raise LogError(f"{array_path}: no such pose log") from error
-    except (ValueError, EOFError, OSError) as error:
-        raise LogError(f"{array_path}: not a readable NumPy file ({error})") from error
-    fields = row_type(1).names or ()
-    missing = set(fields) - set(rows.dtype.names or ()) - {"clearance"}  # earlier logs have none
-    if missing or rows.ndim != 1:
-        raise LogError(
-            f"{array_path}: expected rows with the fields {', '.join(fields)};"
-            f" got {rows.dtype} of shape {rows.shape}"
-        )
-    rows = np.array(rows[~np.isnan(rows["t"])])
-    try:
-        metadata = json.loads(sidecar.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        metadata = {}
-    except (OSError, ValueError) as error:
-        raise LogError(f"{sidecar}: not readable as JSON ({error})") from error
-    column = {
-        name: np.ascontiguousarray(rows[name])
-        if name in (rows.dtype.names or ())
-        else np.full(len(rows), math.nan)
-        for name in fields
-    }
-    return Log(
-        t=column["t"],
-        poses=column["pose"],
-        commands=column["command"],
-        status=column["status"],
-        moved=column["moved"],
-        clearance=column["clearance"],
-        metadata=metadata,
-    )
 
 
 def log_paths(path: str | os.PathLike[str]) -> tuple[Path, Path]:

@@ -18,8 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.flocking.errors import OutputError, ParameterError
-from posflock_robotarium.logs.readers import Recording, named_arrays, parameters
-from posflock_robotarium.testbed import ROBOT_LENGTH, ROBOT_WIDTH
+from posflock_robotarium.flocking.pose_log import PoseLog
+from posflock_robotarium.logs.readers import Run, named_arrays, parameters
+from rps_compat.testbed import ROBOT_LENGTH, ROBOT_WIDTH
 
 Floats = NDArray[np.float64]
 
@@ -27,12 +28,12 @@ FRAME = "arena"
 """Name of the coordinate frame in MCAP files."""
 
 
-def convert(recording: Recording, path: Path) -> Path:
+def convert(recording: Run, path: Path) -> Path:
     """Write a recording in the format that the path's ending names.
 
     Parameters
     ----------
-    recording : Recording
+    recording : Run
         Poses over time.
     path : Path
         Ends in ``.mat``, ``.csv``, ``.npz`` or ``.mcap``.
@@ -59,7 +60,52 @@ def convert(recording: Recording, path: Path) -> Path:
     return path
 
 
-def _write_mat(recording: Recording, path: Path) -> None:
+def write_pose_log(recording: Run, path: Path) -> Path:
+    """Write a run as a pose log, ``NAME.npy`` and ``NAME.json``; return the path of the rows.
+
+    Parameters
+    ----------
+    recording : Run
+        What nobody knows of it is written as unknown.
+    path : Path
+        With or without ``.npy``.
+
+    Raises
+    ------
+    OutputError
+        Where the files cannot be written.
+    """
+    own = ("ended", "format", "robots", "units", "versions")
+    known = {name: value for name, value in recording.parameters.items() if name not in own}
+    samples, _, robots = recording.poses.shape
+    unknown = np.full(samples, np.nan)
+
+    def of(column: NDArray[Any] | None, otherwise: NDArray[Any] = unknown) -> NDArray[Any]:
+        return otherwise if column is None else column
+
+    commands = of(recording.commands, np.full((samples, 2, robots), np.nan))
+    status = of(recording.status, np.full(samples, ""))
+    intervention, clearance = of(recording.intervention), of(recording.clearance)
+    log = PoseLog(path, robots, samples, known)
+    for k, t in enumerate(recording.t.tolist()):
+        log.append(
+            t,
+            recording.poses[k],
+            commands[k],
+            status=str(status[k]),
+            intervention=float(intervention[k]),
+            clearance=float(clearance[k]),
+        )
+    ending = recording.ending
+    log.close(*(("finished", "") if ending is None else (ending.how.value, ending.reason)))
+    return log.path
+
+
+def _write_pose_log(recording: Run, path: Path) -> None:
+    write_pose_log(recording, path)
+
+
+def _write_mat(recording: Run, path: Path) -> None:
     """Write t (T, 1) and poses (3, N, T), the shape of MATLAB scripts on the testbed."""
     from scipy.io import savemat
 
@@ -68,17 +114,17 @@ def _write_mat(recording: Recording, path: Path) -> None:
         "poses": recording.poses.transpose(1, 2, 0),
         **_description(recording),
     }
-    for name in ("moved", "clearance"):
+    for name in ("intervention", "clearance"):
         if name in variables:
             variables[name] = variables[name][:, np.newaxis]
     if "status" in variables:  # char(status) in MATLAB; the reader takes numbers alone
         variables["status"] = named_arrays.codes_of(variables["status"])
-    if recording.command is not None:
-        variables["command"] = recording.command.transpose(1, 2, 0)
+    if recording.commands is not None:
+        variables["command"] = recording.commands.transpose(1, 2, 0)
     savemat(path, variables, do_compression=True)
 
 
-def _write_csv(recording: Recording, path: Path) -> None:
+def _write_csv(recording: Run, path: Path) -> None:
     """Write the parameters as a comment, then one row a sample: t, x1, y1, theta1, x2 and so on."""
     names = [
         f"{state}{robot + 1}" for robot in range(recording.robots) for state in ("x", "y", "theta")
@@ -92,28 +138,28 @@ def _write_csv(recording: Recording, path: Path) -> None:
         table.writerows(map(repr, row) for row in np.column_stack([recording.t, flat]).tolist())
 
 
-def _write_npz(recording: Recording, path: Path) -> None:
+def _write_npz(recording: Run, path: Path) -> None:
     """Write t (T,), poses (T, 3, N) and whatever else is known, command (T, 2, N) first."""
     arrays: dict[str, NDArray[Any]] = {
         "t": recording.t,
         "poses": recording.poses,
         **_description(recording),
     }
-    if recording.command is not None:
-        arrays["command"] = recording.command
+    if recording.commands is not None:
+        arrays["command"] = recording.commands
     with path.open("wb") as file:
         np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
 
 
-def _description(recording: Recording) -> dict[str, NDArray[Any]]:
+def _description(recording: Run) -> dict[str, NDArray[Any]]:
     """Return the parameters, and what the certificate did at each step, where they are known."""
-    known = {name: getattr(recording, name) for name in ("moved", "clearance", "status")}
+    known = {name: getattr(recording, name) for name in ("intervention", "clearance", "status")}
     if recording.parameters:
         known[parameters.NAME] = parameters.to_bytes(recording.parameters)
     return {name: values for name, values in known.items() if values is not None}
 
 
-def _write_mcap(recording: Recording, path: Path) -> None:
+def _write_mcap(recording: Run, path: Path) -> None:
     """Write poses, a scene of robot bodies, and commands as Foxglove's JSON messages."""
     try:
         from mcap.writer import Writer
@@ -142,8 +188,8 @@ def _write_mcap(recording: Recording, path: Path) -> None:
                 "/poses": {"timestamp": stamp, "frame_id": FRAME, "poses": poses},
                 "/robots": _scene(stamp, poses),
             }
-            if recording.command is not None:
-                speed, turn = recording.command[k].tolist()
+            if recording.commands is not None:
+                speed, turn = recording.commands[k].tolist()
                 messages["/commands"] = {"timestamp": stamp, "v": speed, "omega": turn}
             for topic, message in messages.items():
                 writer.add_message(
@@ -309,7 +355,8 @@ _CHANNELS: dict[str, tuple[str, dict[str, Any]]] = {
     ),
 }
 
-WRITERS: dict[str, Callable[[Recording, Path], None]] = {
+WRITERS: dict[str, Callable[[Run, Path], None]] = {
+    "npy": _write_pose_log,
     "mat": _write_mat,
     "csv": _write_csv,
     "npz": _write_npz,

@@ -19,9 +19,9 @@ from posflock_robotarium.alignment.point_agents import Measures, measure, stack,
 from posflock_robotarium.alignment.summary import Summary
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.law import displacements, neighbours, phi
-from posflock_robotarium.flocking.pose_log import Log
 from posflock_robotarium.freespace.sensing import Sensing
 from posflock_robotarium.freespace.simulation import FreeSpace, Model, Recording, simulate_batch
+from posflock_robotarium.logs.run import Run
 from posflock_robotarium.paper.robots import drive
 from posflock_robotarium.simulation.workers import local_pool
 
@@ -74,7 +74,7 @@ class Robots:
         γ from where robots point, and from where they go.
     summaries : tuple of B Summary
         The numbers of each run.
-    single : Log
+    single : Run
         The first run, for snapshots.
     """
 
@@ -82,7 +82,7 @@ class Robots:
     gamma_headings: Floats
     gamma_motion: Floats
     summaries: tuple[Summary, ...]
-    single: Log
+    single: Run
 
     def of(self, name: str) -> Floats:
         """Return one number of every summary, (B,)."""
@@ -292,6 +292,6 @@ def _imprint_pull(scenario: FreeSpace, recording: Recording, time: float) -> Flo
     return np.asarray(np.sqrt(np.square(pull).sum(axis=1)).mean(axis=-1))
 
 
-def _robots(runs: Sequence[tuple[Log, Summary, Floats, Floats]]) -> Robots:
+def _robots(runs: Sequence[tuple[Run, Summary, Floats, Floats]]) -> Robots:
     logs, summaries, headings, motion = zip(*runs, strict=True)
     return Robots(logs[0].t, np.stack(headings), np.stack(motion), tuple(summaries), logs[0])

@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from posflock_robotarium.alignment import metrics
-from posflock_robotarium.alignment.summary import Summary, summarise
+from posflock_robotarium.alignment.analysis import analyse
+from posflock_robotarium.alignment.summary import Summary, summary_of
 from posflock_robotarium.flocking.flock import Flock
 from posflock_robotarium.flocking.placement import random_poses
-from posflock_robotarium.flocking.pose_log import Log
+from posflock_robotarium.logs.run import Run
 from posflock_robotarium.simulation.flock_trial import simulate
 
 Floats = NDArray[np.float64]
@@ -56,7 +56,7 @@ class Noise:
 
 def drive(
     seed: int, *, imperfect: bool, duration: float = DURATION
-) -> tuple[Log, Summary, Floats, Floats]:
+) -> tuple[Run, Summary, Floats, Floats]:
     """Run the experiment once.
 
     Parameters
@@ -70,7 +70,7 @@ def drive(
 
     Returns
     -------
-    log : Log
+    log : Run
         With true poses.
     summary : Summary
         Of the true poses.
@@ -81,14 +81,8 @@ def drive(
         ROBOTS, np.random.default_rng(seed), side=START_SIDE, spacing=START_SPACING
     )
     flock = Flock()
-    radius = float(np.max(flock.law.radius))
     trial = simulate(flock, start, duration, realism=Noise() if imperfect else None, seed=seed)
     log = trial.truth()
-    positions = log.poses[:, :2]
-    moving = metrics.smoothed_velocities(positions, flock.time_step)
-    return (
-        log,
-        summarise(log, radius),
-        metrics.alignment(metrics.heading_vectors(log.poses), positions, radius).gamma,
-        metrics.alignment(moving, positions, radius, slowest=metrics.SLOWEST).gamma,
-    )
+    analysis = analyse(log)
+    curves = analysis.curves
+    return log, summary_of(analysis), curves["gamma_headings"], curves["gamma_motion"]

@@ -10,7 +10,7 @@ from posflock_robotarium.alignment.comparison import Comparison, compare
 from posflock_robotarium.logs.readers import (
     LayoutError,
     ReadOptions,
-    Recording,
+    Run,
     read,
     read_parts,
 )
@@ -22,7 +22,7 @@ __all__ = [
     "Comparison",
     "LayoutError",
     "ReadOptions",
-    "Recording",
+    "Run",
     "analyse",
     "compare",
     "load",

@@ -26,7 +26,6 @@ from posflock_robotarium.figures.style import (
     new_figure,
     save,
 )
-from posflock_robotarium.flocking.pose_log import Log
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -61,7 +60,7 @@ def draw(analyses: Sequence[Analysis], folder: Path) -> list[Path]:
     if len(analyses) == 1:
         run = analyses[0]
         figures = {
-            "snapshots": lambda: snapshots(_log(run)),
+            "snapshots": lambda: snapshots(run.recording),
             "alignment": lambda: alignment(run),
             "distances": lambda: distances(run),
             "motion": lambda: motion(run),
@@ -254,19 +253,3 @@ def _time_axis(axes: Axes, analyses: Sequence[Analysis]) -> None:
         axes.set_xlim(analyses[0].recording.t[0], analyses[0].recording.t[-1])
     else:
         axes.set_xlim(0.0, max(float(a.recording.t[-1] - a.recording.t[0]) for a in analyses))
-
-
-def _log(analysis: Analysis) -> Log:
-    """Return the recording as the pose log that the experiment's figures are drawn from."""
-    recording = analysis.recording
-    samples, _, robots = recording.poses.shape
-    unknown = np.full(samples, np.nan)
-    return Log(
-        t=recording.t,
-        poses=recording.poses,
-        commands=np.zeros((samples, 2, robots)),
-        status=np.full(samples, "none"),
-        moved=unknown,
-        clearance=unknown,
-        metadata=dict(recording.parameters),
-    )

@@ -19,9 +19,8 @@ from numpy.typing import NDArray
 from barrier_certificates.ties import TIE
 from posflock_robotarium.figures.style import BLUE, GREY
 from posflock_robotarium.flocking.errors import OutputError, ParameterError
-from posflock_robotarium.logs.readers import Recording
-from posflock_robotarium.testbed import ROBOT_LENGTH, ROBOT_WIDTH
-from rps_compat.arena import GTERNAL, RobotModel
+from posflock_robotarium.logs.readers import Run
+from rps_compat.testbed import GTERNAL, ROBOT_LENGTH, ROBOT_WIDTH, RobotModel
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture
@@ -43,7 +42,7 @@ LARGEST_FILM = 36_000
 
 
 def write_video(
-    recording: Recording,
+    recording: Run,
     path: Path,
     *,
     fps: float | None = None,
@@ -55,7 +54,7 @@ def write_video(
 
     Parameters
     ----------
-    recording : Recording
+    recording : Run
         Poses over time; a gap is shown as the last pose before it.
     path : Path
         Ends in ``.mp4`` or ``.gif``.
@@ -101,7 +100,7 @@ def write_video(
 
 
 def _frames(
-    recording: Recording, times: Floats, robot: RobotModel, size: tuple[int, int]
+    recording: Run, times: Floats, robot: RobotModel, size: tuple[int, int]
 ) -> Iterator[Frame]:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.collections import LineCollection, PolyCollection

@@ -6,14 +6,15 @@ here nothing is written, so that hundreds of trials cost no more than their comp
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from posflock_robotarium.flocking.flock import Flock
-from posflock_robotarium.flocking.pose_log import Log, row_type
+from posflock_robotarium.flocking.pose_log import row_type
+from posflock_robotarium.logs.run import How, Run
 from rps_compat.arena import Arena, Realism
 
 
@@ -23,16 +24,16 @@ class Trial:
 
     Attributes
     ----------
-    log : Log
+    log : Run
         What the controller read and sent, as a pose log would hold it.
     true_poses : (T, 3, N) array
         Where the robots were when the poses of `log` were read; the same in the ideal arena.
     """
 
-    log: Log
+    log: Run
     true_poses: NDArray[np.float64]
 
-    def truth(self) -> Log:
+    def truth(self) -> Run:
         """Return the log with true poses in place of those that tracking reported."""
         return replace(self.log, poses=self.true_poses)
 
@@ -83,15 +84,18 @@ def simulate(
         arena.step()
     description: dict[str, Any] = flock.parameters() | {
         "seed": seed,
-        "ended": {"how": "finished", "reason": "", "rows": steps},
+        "simulated": True,
+        "robot": asdict(arena.robot),
+        "ended": {"how": How.FINISHED.value, "reason": "", "rows": steps},
     }
-    log = Log(
+    log = Run(
+        name="flock",
         t=rows["t"],
         poses=rows["pose"],
         commands=rows["command"],
         status=rows["status"],
-        moved=rows["moved"],
+        intervention=rows["intervention"],
         clearance=rows["clearance"],
-        metadata=description,
+        parameters=description,
     )
     return Trial(log, true_poses)

@@ -24,11 +24,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from posflock_robotarium import testbed
 from posflock_robotarium.flocking.errors import OutputError, PosflockError
 from posflock_robotarium.verify.files import files_read
 from posflock_robotarium.verify.findings import count
 from posflock_robotarium.verify.source import Source
+from rps_compat import testbed
 from rps_compat.scripts import import_graph, libraries
 from rps_compat.scripts.program import read_program
 from rps_compat.scripts.source import read_script

@@ -25,10 +25,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from posflock_robotarium import testbed
 from posflock_robotarium.flocking.errors import OutputError, ParameterError, PosflockError
 from posflock_robotarium.submission.bundle import check_manifest, main_file
 from posflock_robotarium.submission.interpreters import installed_pythons
+from rps_compat import testbed
 from rps_compat.scripts import import_graph
 from rps_compat.scripts.libraries import IMPORT_NAMES, LIBRARIES, PYTHON
 
@@ -406,17 +406,17 @@ def _bring_back(scratch: Path, out: Path, uploaded: set[str], said: str) -> list
 def describe_file(path: Path) -> str:
     """Open a returned file and say what it is; "unreadable" first where it cannot be."""
     from posflock_robotarium.flocking.errors import LogError
-    from posflock_robotarium.flocking.pose_log import read_log
+    from posflock_robotarium.logs.readers import read_pose_log
     from posflock_robotarium.verify.trials import read_back
 
     if path.suffix == ".npy":
         try:
-            log = read_log(path)
+            log = read_pose_log(path)
         except LogError:
             pass
         else:
-            end = log.metadata.get("ended", {}).get("how", "unknown")
-            last = f"{log.t[-1]:.1f} s" if len(log.t) else "nothing"
+            end = "unknown" if log.ending is None else log.ending.how.value
+            last = f"{log.t[-1]:.1f} s"
             return f"pose log of {log.robots} robots, {len(log.t)} rows until {last}, {end}"
     content = read_back(path)
     if not content.readable:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -58,7 +59,8 @@ def _run_robots(parameters: Parameters, seeds: Sequence[np.random.SeedSequence])
             seed=int(noise.generate_state(1, np.uint64)[0]),
         )
         numbers = asdict(summarise(trial.truth()))
-        found.append({k: float(v) for k, v in numbers.items() if not isinstance(v, str)})
+        del numbers["ended"]
+        found.append({k: math.nan if v is None else float(v) for k, v in numbers.items()})
         del found[-1]["duration"]
     return found
 

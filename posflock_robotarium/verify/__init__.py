@@ -12,7 +12,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from posflock_robotarium import testbed
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.verify import judge, static
 from posflock_robotarium.verify.findings import (
@@ -21,6 +20,7 @@ from posflock_robotarium.verify.findings import (
     verdict_of,
     wilson_interval,
 )
+from rps_compat import testbed
 from rps_compat.scripts.evidence import evidence_of
 
 if TYPE_CHECKING:

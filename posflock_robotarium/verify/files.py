@@ -6,10 +6,10 @@ import ast
 from collections.abc import Iterator
 from pathlib import PurePath
 
-from posflock_robotarium import testbed
 from posflock_robotarium.verify.constants import SCRIPT, constant
 from posflock_robotarium.verify.findings import Finding, Verdict
 from posflock_robotarium.verify.source import Source
+from rps_compat import testbed
 
 #: Exceptions whose handler is prepared for a file that is not there.
 _NO_FILE = {"FileNotFoundError", "OSError", "IOError", "Exception", "BaseException"}

@@ -13,7 +13,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from posflock_robotarium import testbed
+from rps_compat import testbed
 
 
 class Verdict(enum.IntEnum):

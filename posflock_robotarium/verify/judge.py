@@ -11,7 +11,6 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from barrier_certificates import ties
-from posflock_robotarium import testbed
 from posflock_robotarium.verify.findings import (
     Finding,
     Verdict,
@@ -21,6 +20,7 @@ from posflock_robotarium.verify.findings import (
 )
 from posflock_robotarium.verify.trial import Outcome
 from posflock_robotarium.verify.trials import Ran
+from rps_compat import testbed
 from rps_compat.scripts import libraries
 from rps_compat.scripts.deaths import REHEARSE, newer_library
 

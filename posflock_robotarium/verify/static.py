@@ -13,12 +13,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from posflock_robotarium import testbed
 from posflock_robotarium.verify.constants import constant
 from posflock_robotarium.verify.files import check_files
 from posflock_robotarium.verify.findings import Finding, Verdict, too_many_robots
 from posflock_robotarium.verify.saving import check_saving
 from posflock_robotarium.verify.source import Source
+from rps_compat import testbed
 from rps_compat.errors import ScriptError
 from rps_compat.scripts import import_graph, libraries
 from rps_compat.scripts.api import ApiName

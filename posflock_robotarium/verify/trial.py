@@ -28,8 +28,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from barrier_certificates.ties import beyond, first_smallest, reached, short_of
-from posflock_robotarium import testbed
 from posflock_robotarium.verify.guard import Guard
+from rps_compat import testbed
 from rps_compat.clock import SimulatedClock, Stuck, real
 
 _PULSE = struct.Struct("qddd")

@@ -17,10 +17,10 @@ from typing import Any
 
 import numpy as np
 
-from posflock_robotarium import testbed
 from posflock_robotarium.verify.files import files_read
 from posflock_robotarium.verify.source import Source
 from posflock_robotarium.verify.trial import Outcome, TrialPlan
+from rps_compat import testbed
 from rps_compat.profiles import profile_to_dict
 from rps_compat.realism import Profile
 

@@ -11,13 +11,14 @@ from typing import Any
 import numpy as np
 
 from rps_compat import session
-from rps_compat.arena import Arena, Array, RobotModel, require_finite
+from rps_compat.arena import Arena, Array, require_finite
 from rps_compat.errors import ConstructorError
 from rps_compat.figure import ArenaFigure
 from rps_compat.initial import checked_poses, drawn_poses, drive_to, first_poses
 from rps_compat.lazy import LazyModule
 from rps_compat.pace import pace_of
 from rps_compat.report import MESSAGES
+from rps_compat.testbed import RobotModel
 from rps_compat.v1.drawing import GritsbotPatches
 from rps_compat.v1.sensing import Sensing
 from rps_compat.wrong_generation import refuse, refuse_new_arguments

@@ -14,13 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rps_compat import session
-from rps_compat.arena import Arena, Array, RobotModel, require_finite
+from rps_compat.arena import Arena, Array, require_finite
 from rps_compat.errors import CommandError, ConstructorError
 from rps_compat.figure import ArenaFigure
 from rps_compat.initial import checked_poses, drawn_poses, first_poses
 from rps_compat.lazy import LazyModule
 from rps_compat.pace import pace_of
 from rps_compat.sensors import ray_ends
+from rps_compat.testbed import RobotModel
 from rps_compat.v2.drawing import GternalDrawing
 from rps_compat.v2.patch_creation.gternal_patch import GTERNALRobotPatch, gternal_patch
 from rps_compat.v2.sensor_suite import SensorSuite

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.flocking.errors import LogError
-from posflock_robotarium.logs.readers.recording import LayoutError
+from posflock_robotarium.logs.run import LayoutError
 
 Floats = NDArray[np.float64]
 

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from posflock_robotarium.flocking.errors import LogError, ParameterError
 from posflock_robotarium.logs.readers import parameters
 from posflock_robotarium.logs.readers.layouts import COLUMN_ORDERS, increases, to_poses
-from posflock_robotarium.logs.readers.recording import LayoutError
 from posflock_robotarium.logs.readers.text import STATE_NAMES, TIME_NAMES
+from posflock_robotarium.logs.run import LayoutError
 
 Floats = NDArray[np.float64]
 
@@ -63,10 +63,10 @@ class Found:
     t: Floats | None
     poses: Floats
     notes: tuple[str, ...]
-    command: Floats | None = None
+    commands: Floats | None = None
     dt: float | None = None
     steps: Mapping[str, NDArray[Any]] = field(default_factory=dict)
-    """What the certificate did at each step: ``moved``, ``clearance``, ``status`` (T,)."""
+    """What the certificate did at each step: ``intervention``, ``clearance``, ``status`` (T,)."""
     parameters: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -126,7 +126,7 @@ def poses_among(
         notes.append("parameters of the run came with the file")
     steps: dict[str, NDArray[Any]] = {
         name: values
-        for name in ("moved", "clearance", "status")
+        for name in ("intervention", "clearance", "status")
         if name in arrays and (values := _each_step(name, arrays[name], len(poses))) is not None
     }
     return Found(t, poses, tuple(notes), found, dt, steps, said)

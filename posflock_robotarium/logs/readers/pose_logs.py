@@ -12,12 +12,17 @@ from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.flocking.pose_log import log_paths, row_type
 from posflock_robotarium.logs.readers.named_arrays import floats
 from posflock_robotarium.logs.readers.parameters import LARGEST, from_json
-from posflock_robotarium.logs.readers.recording import Recording
+from posflock_robotarium.logs.run import Run
 
-FIELDS = row_type(1).names
+FIELDS = row_type(1).names or ()
 
 
-def read_pose_log(file: Path, rows: NDArray[Any]) -> Recording:
+def is_pose_log(array: NDArray[Any]) -> bool:
+    """Tell whether an array holds the rows of a pose log."""
+    return array.dtype.names == FIELDS and array.ndim == 1
+
+
+def run_of(file: Path, rows: NDArray[Any]) -> Run:
     """Read our own log, whether the run ended well, was killed, or still goes on."""
     if rows["pose"].ndim != 3 or rows["t"].ndim != 1 or rows.dtype["pose"].base.kind != "f":
         raise LogError(f"{file}: fields of a pose log with other shapes, {rows.dtype}")
@@ -44,29 +49,20 @@ def read_pose_log(file: Path, rows: NDArray[Any]) -> Recording:
         notes.append(f"the run {how}: {ended.get('reason') or 'no reason recorded'}")  # type: ignore[union-attr]
     columns = {
         name: floats(rows[name][:reached], f"{file}: {name}").copy()
-        for name in ("pose", "command", "moved", "clearance")
-        if name in (rows.dtype.names or ())  # earlier logs have no clearance
+        for name in ("pose", "command", "intervention", "clearance")
     }
-    status = _words(rows["status"][:reached])
-    if status is not None and (status == "none").all():
-        columns["moved"][:] = np.nan  # without a certificate nobody knows
-    return Recording(
+    return Run(
         name=file.stem,
         t=t[:reached].copy(),
         poses=columns["pose"],
-        command=columns["command"],
-        moved=_known(columns.get("moved")),
-        clearance=_known(columns.get("clearance")),
-        status=status,
+        commands=columns["command"],
+        intervention=columns["intervention"],
+        clearance=columns["clearance"],
+        status=_words(rows["status"][:reached]),
         parameters=parameters,
         notes=tuple(notes),
         sources=(str(file),),
     )
-
-
-def _known(values: NDArray[np.float64] | None) -> NDArray[np.float64] | None:
-    """Return a column, or None where it says nothing."""
-    return None if values is None or np.isnan(values).all() else values
 
 
 def _words(status: NDArray[Any]) -> NDArray[np.str_] | None:

@@ -25,9 +25,9 @@ from posflock_robotarium.logs.readers.named_arrays import (
     poses_of_array,
 )
 from posflock_robotarium.logs.readers.numpy_files import fields_of, read_npy, read_npz
-from posflock_robotarium.logs.readers.pose_logs import FIELDS, read_pose_log
-from posflock_robotarium.logs.readers.recording import LayoutError, Recording
+from posflock_robotarium.logs.readers.pose_logs import FIELDS, is_pose_log, run_of
 from posflock_robotarium.logs.readers.text import STATE_NAMES, TIME_NAMES, read_text
+from posflock_robotarium.logs.run import LayoutError, Run
 
 Floats = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ LONGEST_STEP = 5.0
 """Seconds between poses beyond which nothing is told of motion, and times have another unit."""
 
 
-def read(path: str | os.PathLike[str], options: ReadOptions | None = None) -> Recording:
+def read(path: str | os.PathLike[str], options: ReadOptions | None = None) -> Run:
     """Read one run from one file of any known kind.
 
     Parameters
@@ -47,7 +47,7 @@ def read(path: str | os.PathLike[str], options: ReadOptions | None = None) -> Re
 
     Returns
     -------
-    Recording
+    Run
         Checked poses over time, with notes on how they were read.
 
     Raises
@@ -60,17 +60,32 @@ def read(path: str | os.PathLike[str], options: ReadOptions | None = None) -> Re
     options = options or ReadOptions()
     file = _existing(Path(path))
     kind = _kind(file)
-    if kind == "npy":
-        array = read_npy(file)
-        if array.dtype.names == FIELDS and array.ndim == 1:
-            return read_pose_log(file, array)
+    if kind == "npy" and is_pose_log(array := read_npy(file)):
+        return run_of(file, array)
     found = _find(file, kind, options)
     return _recording(found, file.stem, (str(file),), options)
 
 
-def read_parts(
-    paths: Sequence[str | os.PathLike[str]], options: ReadOptions | None = None
-) -> Recording:
+def read_pose_log(path: str | os.PathLike[str]) -> Run:
+    """Read a pose log, and nothing else.
+
+    Parameters
+    ----------
+    path : path
+        With or without ``.npy``.
+
+    Raises
+    ------
+    LogError
+        When the file is missing, damaged or no pose log, or holds fewer than two rows.
+    """
+    file = _existing(Path(path))
+    if _kind(file) == "npy" and is_pose_log(array := read_npy(file)):
+        return run_of(file, array)
+    raise LogError(f"{file}: not a pose log; expected rows with the fields {', '.join(FIELDS)}")
+
+
+def read_parts(paths: Sequence[str | os.PathLike[str]], options: ReadOptions | None = None) -> Run:
     """Read one run that was saved in several files.
 
     The files are either consecutive parts, each with its own poses, in order of time; or they
@@ -152,14 +167,12 @@ def _usual_step(t: Floats) -> float:
         return float(np.median(np.diff(known))) if len(known) > 1 else 0.0
 
 
-def _recording(
-    found: Found, name: str, sources: tuple[str, ...], options: ReadOptions
-) -> Recording:
+def _recording(found: Found, name: str, sources: tuple[str, ...], options: ReadOptions) -> Run:
     where = sources[0]
     poses = found.poses
     steps = dict(found.steps)
-    if found.command is not None:
-        steps["command"] = found.command
+    if found.commands is not None:
+        steps["command"] = found.commands
     notes = list(found.notes)
     if found.t is not None:
         t = found.t
@@ -195,17 +208,18 @@ def _recording(
     if len(t) and np.isfinite(t[0]) and abs(t[0]) > 1e5:
         notes.append(f"time counted from the first pose, recorded as {t[0]:.3f} s")
         t = t - t[0]
-    return Recording(
+    return Run(
         name=name,
         t=np.ascontiguousarray(t),
         poses=np.ascontiguousarray(poses),
-        command=steps.get("command"),
-        moved=steps.get("moved"),
+        commands=steps.get("command"),
+        intervention=steps.get("intervention"),
         clearance=steps.get("clearance"),
         status=steps.get("status"),
         parameters=found.parameters,
         notes=tuple(notes),
         sources=sources,
+        timed=found.t is not None,
     )
 
 
@@ -237,7 +251,7 @@ def _complementary(files: list[Path]) -> dict[str, NDArray[Any]] | None:
     return named if len(named) == len(files) and (has_time or has_states) else None
 
 
-def _concatenate(parts: list[Recording]) -> Recording:
+def _concatenate(parts: list[Run]) -> Run:
     robots = {part.robots for part in parts}
     if len(robots) != 1:
         raise LogError(f"parts of one run with different numbers of robots: {sorted(robots)}")
@@ -245,7 +259,7 @@ def _concatenate(parts: list[Recording]) -> Recording:
     notes = [f"{len(parts)} files, one after the other"]
     for part in parts:
         t = part.t
-        if times and any("no time in the file" in note for note in part.notes):
+        if times and not part.timed:
             t = t + times[-1][-1] + part.step
         if times and t[0] <= times[-1][-1]:
             raise LogError(
@@ -253,14 +267,29 @@ def _concatenate(parts: list[Recording]) -> Recording:
                 f"({times[-1][-1]:g} s); name the parts in order, or report them as several runs"
             )
         times.append(t)
-    commands = [part.command for part in parts]
-    sound = [command for command in commands if command is not None]
-    return Recording(
+    return Run(
         name=parts[0].name,
         t=np.concatenate(times),
         poses=np.concatenate([part.poses for part in parts]),
-        command=np.concatenate(sound) if len(sound) == len(parts) else None,
+        commands=None
+        if any(part.commands is None for part in parts)
+        else _joined([part.commands for part in parts], parts, np.nan),
+        intervention=_joined([part.intervention for part in parts], parts, np.nan),
+        clearance=_joined([part.clearance for part in parts], parts, np.nan),
+        status=_joined([part.status for part in parts], parts, ""),
         parameters=parts[0].parameters,
         notes=(*notes, *parts[0].notes),
         sources=tuple(source for part in parts for source in part.sources),
+    )
+
+
+def _joined(columns: Sequence[NDArray[Any] | None], parts: list[Run], unknown: Any) -> Any:
+    """Return one column of all parts, unknown in the parts that have none."""
+    if all(column is None for column in columns):
+        return None
+    return np.concatenate(
+        [
+            np.full(len(part.t), unknown) if column is None else column
+            for column, part in zip(columns, parts, strict=True)
+        ]
     )

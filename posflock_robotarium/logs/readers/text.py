@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.logs.readers import parameters
 from posflock_robotarium.logs.readers.layouts import COLUMN_ORDERS, increases, to_poses
-from posflock_robotarium.logs.readers.recording import LayoutError
+from posflock_robotarium.logs.run import LayoutError
 
 Floats = NDArray[np.float64]
 

@@ -1,0 +1,283 @@
+"""One run as poses over time, and all that is known about it: the type that everything shares.
+
+A `Run` is what every reader returns, what a simulation leaves, what every writer writes and what is
+judged.  **What is unknown stays unknown**: a column that nobody wrote is None, a step that nobody
+knows of is NaN (or "" as a word), and no table, figure or file makes a zero of it.
+
+It is checked once, here, so that the analysis behind it never meets a pose that is none, a step
+back in time or an array of the wrong shape.  Two things that look like damage are kept on purpose:
+a *gap* (samples missing in the middle) stays a gap, never bridged by an estimator, and a *short*
+run (cut off by a kill, a collision stop or an interrupt) is simply short.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from enum import Enum
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from barrier_certificates import ties
+from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.logs.robots import LoggedRobot, robot_of
+from rps_compat.testbed import RobotModel
+
+Floats = NDArray[np.float64]
+
+GAP_FACTOR = 3.0
+"""A step longer than this many median steps is a gap, not a slow loop."""
+
+FARTHEST = 1e4
+"""Metres from the origin beyond which a position is taken for damage, not for a robot."""
+
+LARGEST_HEADING = 1e6
+"""Radians beyond which a heading is taken for damage (unwrapped headings stay far below)."""
+
+
+class LayoutError(LogError):
+    """The file is sound, but more than one reading of it is possible (or none): say which."""
+
+
+class How(Enum):
+    """How a run ended."""
+
+    RUNNING = "running"
+    """Its log was never closed: it was killed, or still goes on."""
+    FINISHED = "finished"
+    INTERRUPTED = "interrupted"
+    FAILED = "failed"
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How a run ended, and why in words; `reason` is empty where none was recorded."""
+
+    how: How
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Run:
+    """Poses of one run over time, and all that is known about it.
+
+    Parameters
+    ----------
+    name : str
+        What the run is called in tables and on the page (the file's stem).
+    t : ndarray, shape (T,)
+        Seconds, strictly increasing.
+    poses : ndarray, shape (T, 3, N)
+        x, y in metres and heading in radians.
+    commands : ndarray, shape (T, 2, N), optional
+        Commanded linear (m/s) and angular (rad/s) velocity.
+    intervention : ndarray, shape (T,), optional
+        Intervention of the certificate: how far it changed a velocity at most, each step (m/s);
+        NaN where unknown.
+    clearance : ndarray, shape (T,), optional
+        How far the team is from being unsafe at each step (m); NaN where unknown.
+    status : ndarray of str, shape (T,), optional
+        What the certificate answered at each step; "" where unknown.
+    parameters : mapping
+        Whatever the log says about the run: law, seed, versions, how it ended.
+    notes : tuple of str
+        How the file was read, one sentence a decision.
+    sources : tuple of str
+        The files that were read.
+    timed : bool
+        Whether the times were recorded, not counted from the step that the reader was given.
+
+    Raises
+    ------
+    LogError
+        When shapes disagree, a value is not finite or absurd, or time does not increase.
+    """
+
+    name: str
+    t: Floats
+    poses: Floats
+    commands: Floats | None = None
+    intervention: Floats | None = None
+    clearance: Floats | None = None
+    status: NDArray[np.str_] | None = None
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    sources: tuple[str, ...] = ()
+    timed: bool = True
+
+    def __post_init__(self) -> None:
+        where = self.sources[0] if self.sources else self.name
+        if self.poses.ndim != 3 or self.poses.shape[1] != 3:
+            raise LogError(f"{where}: poses have shape {self.poses.shape}, expected (T, 3, N)")
+        samples, _, robots = self.poses.shape
+        if robots < 1:
+            raise LogError(f"{where}: no robot in it, shape {self.poses.shape}")
+        if samples < 2:
+            raise LogError(f"{where}: {samples} pose(s) over time; an analysis needs at least 2")
+        if self.t.shape != (samples,):
+            raise LogError(f"{where}: {self.t.shape[0]} times for {samples} poses")
+        _check_time(where, self.t)
+        _check_poses(where, self.poses)
+        self._check_columns(where)
+
+    def _check_columns(self, where: str) -> None:
+        """Refuse columns of other shapes or absurd values; one that says nothing is unknown."""
+        samples, _, robots = self.poses.shape
+        for name, shape in (
+            ("commands", (samples, 2, robots)),
+            ("intervention", (samples,)),
+            ("clearance", (samples,)),
+            ("status", (samples,)),
+        ):
+            values = getattr(self, name)
+            if values is None:
+                continue
+            if values.shape != shape:
+                raise LogError(f"{where}: {name} has shape {values.shape}, expected {shape}")
+            unknown = values == "" if name == "status" else np.isnan(values)
+            if unknown.all():
+                object.__setattr__(self, name, None)
+        if self.commands is not None and not np.isfinite(self.commands).all():
+            sound = np.isfinite(self.commands).all(axis=(1, 2))
+            row = int(np.flatnonzero(~sound)[0])
+            raise LogError(f"{where}: row {row}: a command is not a finite number")
+        if self.intervention is not None and np.isinf(self.intervention).any():
+            row = int(np.flatnonzero(np.isinf(self.intervention))[0])
+            raise LogError(f"{where}: row {row}: intervention is not a finite number")
+
+    @property
+    def robots(self) -> int:
+        """How many robots were recorded."""
+        return int(self.poses.shape[2])
+
+    @property
+    def step(self) -> float:
+        """Median time between samples, in seconds."""
+        return float(np.median(np.diff(self.t)))
+
+    @property
+    def gaps(self) -> NDArray[np.intp]:
+        """Samples before which time is missing (indices into `t`)."""
+        steps = np.diff(self.t)
+        return np.flatnonzero(ties.beyond(steps, GAP_FACTOR * np.median(steps))) + 1
+
+    @property
+    def segments(self) -> list[slice]:
+        """The stretches between gaps; every sample is in exactly one."""
+        edges = [0, *self.gaps.tolist(), len(self.t)]
+        return [slice(first, last) for first, last in pairwise(edges)]
+
+    @property
+    def ending(self) -> Ending | None:
+        """How the run ended; None where the log does not say."""
+        said = self.parameters.get("ended")
+        if not isinstance(said, Mapping):
+            return None
+        try:
+            how = How(said.get("how"))
+        except ValueError:
+            return None
+        return Ending(how, str(said.get("reason") or ""))
+
+    @property
+    def planned(self) -> float | None:
+        """Seconds that the run was meant to last; None where the log does not say."""
+        return self._number("duration")
+
+    @property
+    def simulated(self) -> bool | None:
+        """Whether the poses come from a simulator; None where the log does not say."""
+        said = self.parameters.get("simulated")
+        return said if isinstance(said, bool) else None
+
+    @property
+    def robot(self) -> RobotModel:
+        """The robot and the arena of this run: what it is judged by."""
+        return self.logged_robot.model
+
+    @property
+    def logged_robot(self) -> LoggedRobot:
+        """The robot and the arena of this run, and how it is known."""
+        return robot_of(self.parameters)
+
+    def neighbour_radius(self, given: ArrayLike | None = None) -> float | tuple[float, ...]:
+        """Return the neighbour radius in metres, one or one a robot.
+
+        Parameters
+        ----------
+        given : float or sequence of float, optional
+            What the user says; by default what the log says.
+
+        Raises
+        ------
+        LogError
+            Where neither tells it, it is no length, or there is not one for each robot.
+        """
+        radius = self.parameters.get("neighbour_radius") if given is None else given
+        if radius is None:
+            raise LogError(
+                f"{self.name}: the log does not say the neighbour radius; "
+                "give it in metres with --radius (0.75 in the nine-robot experiment)"
+            )
+        try:
+            values = np.asarray(radius, dtype=float)
+        except (TypeError, ValueError) as error:
+            raise LogError(
+                f"{self.name}: neighbour radius {radius!r}; expected metres above 0"
+            ) from error
+        if values.ndim > 1 or (values.ndim == 1 and len(values) != self.robots):
+            raise LogError(
+                f"{self.name}: neighbour radius of shape {values.shape} for "
+                f"{self.robots} robots; expected one, or one a robot"
+            )
+        if not (np.isfinite(values).all() and (values > 0).all()):
+            raise LogError(f"{self.name}: neighbour radius {radius!r}; expected metres above 0")
+        return float(values) if values.ndim == 0 else tuple(values.tolist())
+
+    def _number(self, name: str) -> float | None:
+        said = self.parameters.get(name)
+        if isinstance(said, bool) or not isinstance(said, (int, float)) or not math.isfinite(said):
+            return None
+        return float(said)
+
+    def noted(self, *notes: str) -> Run:
+        """Return the same run with more to say about how it was read."""
+        return replace(self, notes=self.notes + notes)
+
+
+def _check_time(where: str, t: Floats) -> None:
+    bad = np.flatnonzero(~np.isfinite(t))
+    if bad.size:
+        raise LogError(f"{where}: row {bad[0]}: time is {t[bad[0]]}, not a finite number")
+    back = np.flatnonzero(np.diff(t) <= 0)
+    if back.size:
+        row = int(back[0]) + 1
+        what = "stands still" if t[row] == t[row - 1] else "runs backwards"
+        raise LogError(
+            f"{where}: row {row}: time {what}, {t[row - 1]:g} s then {t[row]:g} s "
+            f"({back.size} such row(s)); sort or mend the file"
+        )
+
+
+def _check_poses(where: str, poses: Floats) -> None:
+    # One reduction for the common, sound case; the row is only looked for when there is one.
+    with np.errstate(invalid="ignore"):
+        positions_sound = bool(np.abs(poses[:, :2]).max() <= FARTHEST)
+        headings_sound = bool(np.abs(poses[:, 2]).max() <= LARGEST_HEADING)
+    if positions_sound and headings_sound:
+        return
+    limit = np.array([FARTHEST, FARTHEST, LARGEST_HEADING])[:, np.newaxis]
+    bad = ~(np.abs(poses) <= limit)
+    row, axis, robot = (int(index) for index in np.argwhere(bad)[0])
+    rows = int(bad.any(axis=(1, 2)).sum())
+    value = poses[row, axis, robot]
+    reason = "not a finite number" if not np.isfinite(value) else "no place a robot can be"
+    raise LogError(
+        f"{where}: row {row}: {('x', 'y', 'heading')[axis]} of robot {robot} is {value}, {reason} "
+        f"({rows} of {len(poses)} rows are damaged); "
+        "drop those rows (their place in time is then kept as a gap) with --drop-damaged"
+    )
