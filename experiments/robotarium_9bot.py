@@ -31,6 +31,8 @@ except ImportError:
 
     STAND_IN = True
 
+from barrier_certificates.unicycle import UnicycleCertificate
+from posflock_robotarium.flocking.constants_on_board import constants_of
 from posflock_robotarium.flocking.errors import ParameterError, PosflockError
 from posflock_robotarium.flocking.flock import EXPERIMENT_CERTIFICATE, WALLS, Flock
 from posflock_robotarium.flocking.law import LawParameters
@@ -63,7 +65,7 @@ def main() -> None:
     chance = np.random.default_rng(options.seed)
     start = random_poses(ROBOTS, chance, side=START_SIDE, spacing=START_SPACING)
     certificate = replace(EXPERIMENT_CERTIFICATE, pair_rows=options.certificate == "on")
-    flock = Flock(LAW, TIME_STEP, walls=options.walls, certificate=certificate)
+    flock = flock_in({}, options.walls, certificate)
     steps = flock.steps_in(options.duration)
     description = flock.parameters() | {
         "experiment": "robotarium_9bot",
@@ -81,6 +83,9 @@ def main() -> None:
             sim_in_real_time=options.show,
             initial_conditions=start,
         )
+        constants = constants_of(r)
+        flock = flock_in(constants, options.walls, certificate)
+        log.annotate(robot=constants, **flock.parameters())
         try:
             run(r, flock, log, steps)
         except KeyboardInterrupt:  # the testbed's way to end a run
@@ -91,13 +96,20 @@ def main() -> None:
         report(log.path)
 
 
+def flock_in(constants: dict[str, Any], walls: str, certificate: UnicycleCertificate) -> Flock:
+    """Return the flock for the arena and the time step that the Robotarium tells of."""
+    arena = tuple(constants.get("boundaries", certificate.boundary))
+    time_step = constants.get("time_step", TIME_STEP)
+    return Flock(LAW, time_step, walls=walls, certificate=replace(certificate, boundary=arena))
+
+
 def run(r: Any, flock: Flock, log: PoseLog, steps: int) -> None:
     """Read, decide, command and log, once a step."""
-    for step in steps_of(steps, TIME_STEP, "flocking"):
+    for step in steps_of(steps, flock.time_step, "flocking"):
         poses = r.get_poses()
         decision = flock.step(poses)
         r.set_velocities(np.arange(ROBOTS), decision.command)
-        log.append(step * TIME_STEP, poses, **decision.logged())
+        log.append(step * flock.time_step, poses, **decision.logged())
         r.step()
 
 

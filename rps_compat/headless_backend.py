@@ -22,7 +22,7 @@ from matplotlib.backend_bases import FigureManagerBase, TimerBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from rps_compat.clock.time_functions import clock_in_force
-from rps_compat.report import TESTBED_SECONDS
+from rps_compat.testbed import MAX_DURATION
 
 #: Seconds without a step after which a window is closed that other threads keep open.
 CLOSED_AFTER = 30.0
@@ -116,7 +116,7 @@ class HeadlessManager(FigureManagerBase):
         clock = clock_in_force()
         if not _running and (clock is None or clock.solo):
             return
-        end = time.monotonic() + TESTBED_SECONDS
+        end = time.monotonic() + MAX_DURATION
         time.sleep(0)  # threads that have just been started have their turn
 
         def is_open() -> bool:
@@ -128,7 +128,7 @@ class HeadlessManager(FigureManagerBase):
             _serve(min(time.monotonic() + 1.0, end), is_open)
             if time.monotonic() >= end:
                 notes[
-                    f"plt.show() ended after {TESTBED_SECONDS:g} s, since nobody closes the window"
+                    f"plt.show() ended after {MAX_DURATION:g} s, since nobody closes the window"
                 ] = None
                 return
 
@@ -169,7 +169,7 @@ class HeadlessCanvas(FigureCanvasAgg):
         elif timeout > 0:
             _serve(time.monotonic() + timeout, lambda: self._looping)
         else:
-            end = time.monotonic() + TESTBED_SECONDS
+            end = time.monotonic() + MAX_DURATION
             _serve(end, lambda: self._looping and bool(_running))
 
     def stop_event_loop(self) -> None:

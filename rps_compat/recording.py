@@ -8,7 +8,7 @@ record of what the report needs, on disk and up to date, because such processes 
 import threading
 import weakref
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -71,6 +71,7 @@ class Watch:
         and the record says so, since it may have to stand for a process that is killed later.
         """
         self.arena = instance._arena
+        self._tell_robot()
         if self._record is None:
             self.instance = instance
         else:
@@ -96,7 +97,14 @@ class Watch:
         if record is not None and self.arena is not None:
             record.close(self.arena)
         if log is not None:
+            self._tell_robot(log)  # a script may have changed its constants
             log.close(how, reason)
+
+    def _tell_robot(self, log: RunRecorder | None = None) -> None:
+        """Let the log say by which robot and arena its run is to be judged."""
+        annotate = getattr(log or self._log, "annotate", None)
+        if annotate is not None and self.arena is not None:
+            annotate(robot=asdict(self.arena.robot))
 
     def abandon(self) -> None:
         """Leave log and record to the process from which this one was forked."""
@@ -215,4 +223,5 @@ class _Continued:
         arena = self._arena
         watch = arena.recorder = self._recording.watch(arena.number_of_robots, copied=True)
         watch.arena = arena
+        watch._tell_robot()
         watch.append(time, poses, commands)

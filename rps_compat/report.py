@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 from barrier_certificates.ties import beyond
 from rps_compat.arena import Arena
+from rps_compat.testbed import MAX_DURATION, MAX_ROBOTS
 from rps_compat.violations import Violations
 
 #: How generation 1 calls its faults; scripts read these strings in ``_errors``.
@@ -20,8 +21,6 @@ MESSAGES = {
 }
 #: Faults beyond this many are summed up in the text; the data has them all.
 LISTED = 10
-#: Robots that the testbed has, and seconds after which it ends any run.
-TESTBED_ROBOTS, TESTBED_SECONDS = 20, 900.0
 
 
 @dataclass(frozen=True)
@@ -113,11 +112,11 @@ class RunReport:
     def notes(self) -> list[str]:
         """What the testbed does not take, although nothing went wrong here."""
         notes = []
-        if self.number_of_robots > TESTBED_ROBOTS:
-            notes.append(f"{self.number_of_robots} robots: the testbed has {TESTBED_ROBOTS}")
-        if beyond(self.duration, TESTBED_SECONDS):
+        if self.number_of_robots > MAX_ROBOTS:
+            notes.append(f"{self.number_of_robots} robots: the testbed has {MAX_ROBOTS}")
+        if beyond(self.duration, MAX_DURATION):
             notes.append(
-                f"{self.duration:.1f} s: the testbed ends every run after {TESTBED_SECONDS:g} s"
+                f"{self.duration:.1f} s: the testbed ends every run after {MAX_DURATION:g} s"
             )
         return notes
 

@@ -26,7 +26,7 @@ from rps_compat.install import Api
 from rps_compat.process_state import hiding_notes, process_state
 from rps_compat.recording import Recording
 from rps_compat.repeatable import repeatable
-from rps_compat.report import TESTBED_SECONDS, RunReport
+from rps_compat.report import RunReport
 from rps_compat.run_result import RunResult
 from rps_compat.run_settings import RunSettings
 from rps_compat.scripts.changes import Kind
@@ -35,6 +35,7 @@ from rps_compat.scripts.evidence import Evidence, evidence_in
 from rps_compat.session import Session
 from rps_compat.surroundings import answering, has_display, headless_matplotlib
 from rps_compat.terminal import showable_output
+from rps_compat.testbed import MAX_DURATION
 
 
 def run_script(
@@ -73,9 +74,7 @@ class _Run:
     settings: RunSettings
     notes: list[str]
     evidence: Evidence
-    clock: SimulatedClock = field(
-        default_factory=lambda: SimulatedClock(longest_wait=TESTBED_SECONDS)
-    )
+    clock: SimulatedClock = field(default_factory=lambda: SimulatedClock(longest_wait=MAX_DURATION))
     window_notes: dict[str, None] = field(default_factory=dict)
     advice: str | None = None
 

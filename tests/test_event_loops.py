@@ -5,9 +5,9 @@ import warnings
 
 import pytest
 
-from rps_compat.report import TESTBED_SECONDS
 from rps_compat.run_settings import RunSettings
 from rps_compat.runner import run_script
+from rps_compat.testbed import MAX_DURATION
 
 START = """
 import threading, time
@@ -127,7 +127,7 @@ def test_what_nobody_closes_ends_with_the_longest_run(run):
         "a = FuncAnimation(r._fig, drive, interval=500, cache_frame_data=False); plt.show()"
     )
     assert result.exit_code == 0
-    assert int(said.split("seen ")[1].split()[0]) == pytest.approx(TESTBED_SECONDS / 0.5, abs=1)
+    assert int(said.split("seen ")[1].split()[0]) == pytest.approx(MAX_DURATION / 0.5, abs=1)
     assert result.notes == ("plt.show() ended after 900 s, since nobody closes the window",)
 
 

@@ -75,7 +75,7 @@ def test_agents_fail_when_it_is_time():
 def test_a_flock_that_drives_straight_at_a_wall_turns_one_way():
     points = np.array([[1.4, 1.4], [0.3, -0.3]])
     for velocity in neighbours_of([[0.1, 0.1], [0.05, -0.05]]):
-        assert Flock()._turning(points, velocity) > 0.0
+        assert Flock()._steering._turning(points, velocity.mean(axis=1)) > 0.0
 
 
 def test_of_two_samples_as_near_the_first_is_taken():

@@ -238,13 +238,6 @@ def test_a_script_without_a_robotarium_is_noted(tmp_path):
     assert data["notes"] == list(result.notes)
 
 
-def test_limits_are_those_of_the_testbed():
-    from rps_compat import report, testbed
-
-    assert report.TESTBED_ROBOTS == testbed.MAX_ROBOTS
-    assert report.TESTBED_SECONDS == testbed.MAX_DURATION
-
-
 def test_pictures_show_what_the_script_drew(run, tmp_path):
     from matplotlib.image import imread
 

@@ -23,6 +23,7 @@ from posflock_robotarium.verify.trials import Ran
 from rps_compat import testbed
 from rps_compat.scripts import libraries
 from rps_compat.scripts.deaths import REHEARSE, newer_library
+from rps_compat.testbed import GTERNAL
 
 #: Share of the steps that may take longer than 33 ms.
 _LATE = 0.1
@@ -309,7 +310,7 @@ def _actuator(ideal: Outcome) -> Iterator[Finding]:
     first = _first(ideal, "actuator")
     if not first:
         return
-    limit = 12.5
+    limit = GTERNAL.max_wheel_velocity
     many = ideal.actuator_steps > testbed.TOLERATED_VIOLATIONS
     yield Finding(
         "actuator",

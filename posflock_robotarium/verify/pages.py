@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 from posflock_robotarium.flocking.errors import OutputError
 from posflock_robotarium.verify.findings import CODES, count
 from posflock_robotarium.verify.terminal import figure_lines
+from rps_compat.testbed import GTERNAL
 
 if TYPE_CHECKING:
     from posflock_robotarium.verify import Report
 
-#: Centres this near are a collision when robots face each other: 0.135 m between points 0.025 m
-#: ahead of each.
-_COLLISION = 0.185
+#: Centres this near are a collision when robots face each other.
+_COLLISION = GTERNAL.collision_diameter + 2 * GTERNAL.collision_offset
 
 
 def write_report(report: Report, folder: Path) -> list[Path]:
