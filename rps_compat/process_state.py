@@ -15,7 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
-from rps_compat.install import Api, install, installed, uninstall
+from rps_compat.generations import Generation
+from rps_compat.install import install, installed, uninstall
 from rps_compat.own_imports import HiddenNames, KeptApart
 from rps_compat.own_imports.whose import is_environments_module
 from rps_compat.scripts.libraries import shadowed_by
@@ -26,7 +27,7 @@ TOLD = 5
 
 @contextlib.contextmanager
 def process_state(
-    script: Path, arguments: Sequence[str], api: Api, seed: int | None
+    script: Path, arguments: Sequence[str], generation: Generation, seed: int | None
 ) -> Iterator[HiddenNames]:
     """Be where `script` expects to be within the ``with`` block; leave the process as it was.
 
@@ -36,7 +37,7 @@ def process_state(
         An absolute path.
     arguments
         The script's own, without its name.
-    api
+    generation
         Generation of ``rps``.
     seed
         Of Python's and numpy's global generators; None leaves them as they are.
@@ -48,7 +49,7 @@ def process_state(
     sys.argv = [str(script), *arguments]
     sys.path.insert(0, str(script.parent))
     sys.dont_write_bytecode = True  # the script's folder is not ours to write to
-    install(api)
+    install(generation)
     if seed is not None:
         random.seed(seed)
         np.random.seed(seed % 2**32)  # noqa: NPY002 - what scripts draw from

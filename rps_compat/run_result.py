@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from rps_compat.ending import Ended
-from rps_compat.install import Api
+from rps_compat.generations import Generation
 from rps_compat.report import RunReport
 
 
@@ -18,7 +18,7 @@ class RunResult:
     ----------
     script
         The script that ran.
-    api
+    generation
         The generation that it ran on.
     ended
         "finished", "failed" (an exception), "interrupted" (Ctrl-C), "timeout", "stuck" (all that
@@ -39,7 +39,7 @@ class RunResult:
     """
 
     script: Path
-    api: Api
+    generation: Generation
     ended: Ended
     reason: str
     exit_code: int
@@ -60,7 +60,7 @@ class RunResult:
         """
         return {
             "script": str(self.script),
-            "api": self.api,
+            "generation": self.generation,
             "ended": self.ended,
             "reason": self.reason,
             "exit_code": self.exit_code,
@@ -83,7 +83,7 @@ class RunResult:
 
 def summary(result: RunResult) -> str:
     """Tell in a few lines how a run went and what it left: for a terminal."""
-    lines = [f"{result.script.name}: generation {result.api}, {result.ended}"]
+    lines = [f"{result.script.name}: generation {result.generation}, {result.ended}"]
     if result.reason:
         lines[0] += f" ({result.reason})"
     for number, report in enumerate(result.reports, start=1):

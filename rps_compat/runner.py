@@ -22,7 +22,7 @@ from rps_compat.clock import SimulatedClock
 from rps_compat.ending import LOGGED, End, TimeLimit, end_of
 from rps_compat.errors import ScriptError
 from rps_compat.film import Film
-from rps_compat.install import Api
+from rps_compat.generations import Generation
 from rps_compat.process_state import hiding_notes, process_state
 from rps_compat.recording import Recording
 from rps_compat.repeatable import repeatable
@@ -57,19 +57,19 @@ def run_script(
     settings = settings or RunSettings()
     script = Path(script).resolve()
     evidence = evidence_in(script)
-    api = settings.api or evidence.generation
-    notes = evidence.notes(api, found=settings.api is None)
+    generation = settings.generation or evidence.generation
+    notes = evidence.notes(generation, found=settings.generation is None)
     if settings.tell is not None:
         for note in notes:
             settings.tell(note)
-    return _Run(script, list(arguments), api, settings, notes, evidence).result()
+    return _Run(script, list(arguments), generation, settings, notes, evidence).result()
 
 
 @dataclass
 class _Run:
     script: Path
     arguments: list[str]
-    api: Api
+    generation: Generation
     settings: RunSettings
     notes: list[str]
     evidence: Evidence
@@ -91,12 +91,12 @@ class _Run:
         folder = self.out or Path.cwd()
         video = folder / settings.video if settings.video else None
         self.film = Film(settings.snapshots, folder, video)
-        about = {"script": self.script.name, "api": self.api, "seed": settings.seed}
+        about = {"script": self.script.name, "generation": self.generation, "seed": settings.seed}
         self.recording = Recording(self.out, settings.recorder, about, self.film)
         session = Session(
             initial=settings.initial,
             seed=settings.seed,
-            realism=settings.realism,
+            realism=None if settings.profile is None else settings.profile.start,
             recorder=self.recording.watch,
             created=self.recording.created,
             pace=self.clock if self.headless else None,
@@ -104,7 +104,7 @@ class _Run:
         self.family = Family(self._plan(), session, self.recording)
         with contextlib.ExitStack() as around:
             names = around.enter_context(
-                process_state(self.script, self.arguments, self.api, settings.seed)
+                process_state(self.script, self.arguments, self.generation, settings.seed)
             )
             self._tell(hiding_notes(names))
             around.enter_context(session.active())
@@ -134,10 +134,10 @@ class _Run:
     def _plan(self) -> Plan:
         """Tell the script's children, if it starts some afresh, what they need."""
         settings = self.settings
-        handed, lost = hand_on(settings.realism, settings.recorder)
+        handed, lost = hand_on(settings.profile, settings.recorder)
         return Plan(
             script=self.script.name,
-            api=self.api,
+            generation=self.generation,
             seed=settings.seed,
             initial=settings.initial,
             headless=self.headless,
@@ -157,7 +157,7 @@ class _Run:
         try:
             runpy.run_path(str(self.script), run_name="__main__")
         except Exception as error:
-            self.advice = hint(error, self.evidence, self.api)
+            self.advice = hint(error, self.evidence, self.generation)
             raise
 
     def _give_up(self) -> None:
@@ -186,7 +186,7 @@ class _Run:
         texts = () if self.out is None else (self.out / "report.txt", self.out / "report.json")
         result = RunResult(
             self.script,
-            self.api,
+            self.generation,
             end.ended,
             end.reason,
             end.exit_code,
@@ -197,7 +197,7 @@ class _Run:
         )
         if texts:
             text, data = texts
-            text.write_text("\n".join(report.text(self.api) for report in reports), "utf-8")
+            text.write_text("\n".join(report.text(self.generation) for report in reports), "utf-8")
             data.write_text(json.dumps(result.as_dict(), indent=1) + "\n", "utf-8")
         return result
 

@@ -58,7 +58,7 @@ def command(script, tmp_path):
 
 
 def run(path, **settings):
-    return run_script(path, (), RunSettings(headless=True, api=2, **settings))
+    return run_script(path, (), RunSettings(headless=True, generation=2, **settings))
 
 
 def test_threads_are_waited_for_in_simulated_time(script, capsys):

@@ -21,7 +21,9 @@ def bundle(
         bool,
         typer.Option(help="Run the script once to learn what to enter for robots and duration."),
     ] = True,
-    max_size: Annotated[float, typer.Option(help="Largest upload in MiB; 0 is no limit.")] = 0.0,
+    max_size: Annotated[
+        float | None, typer.Option(help="Largest upload in MiB. Default: no limit.")
+    ] = None,
     json_only: Annotated[
         bool, typer.Option("--json", help="Print what was written as JSON.")
     ] = False,
@@ -48,7 +50,7 @@ def bundle(
         data=data or [],
         robots=robots,
         run_seconds=seconds,
-        largest=int(max_size * 2**20) if max_size > 0 else None,
+        largest=None if max_size is None else int(max_size * 2**20),
     )
     if json_only:
         import json

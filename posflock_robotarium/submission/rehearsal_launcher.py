@@ -63,7 +63,7 @@ def main() -> None:
         plan = json.load(file)
     sys.path.append(plan["simulator"])
     package = plan["package"]
-    importlib.import_module(package).install(api=plan["generation"])
+    importlib.import_module(package).install(generation=plan["generation"])
     profiles = importlib.import_module(f"{package}.profiles")
     realism = importlib.import_module(f"{package}.realism")
     sessions = importlib.import_module(f"{package}.session")

@@ -24,11 +24,13 @@ from posflock_robotarium.verify.findings import (
 from rps_compat.scripts.evidence import evidence_of
 
 if TYPE_CHECKING:
-    from posflock_robotarium.verify.trials import Limits, Nursery, Ran
+    from posflock_robotarium.verify.trials import ForkServer, Limits, Ran
     from rps_compat.realism import Profile
 
 #: Version of the format of ``verify.json``; see docs/verify.md.
 SCHEMA = "posflock verify 1"
+#: Runs with imperfections, and under one imperfection alone, where nobody says how many.
+TRIALS, EFFECT_TRIALS = 20, 5
 
 __all__ = ["Ablation", "Finding", "Report", "Verdict", "ablate", "verify"]
 
@@ -134,7 +136,7 @@ class Report:
 def verify(
     script: Path | str,
     *,
-    trials: int = 20,
+    trials: int = TRIALS,
     profile: Profile | str | Path = "gritsbot_x",
     generation: int = 2,
     declared: float | None = None,
@@ -142,7 +144,7 @@ def verify(
     limits: Limits | None = None,
     search: Sequence[Path] = (),
     tell: Callable[[str, int, int], None] | None = None,
-    nursery: Nursery | None = None,
+    server: ForkServer | None = None,
 ) -> Report:
     """Predict whether the testbed takes `script`, runs it, and gives its data back.
 
@@ -166,7 +168,7 @@ def verify(
         Further folders with local modules.
     tell : callable, optional
         Is told of progress: what, done, of how many.
-    nursery : Nursery, optional
+    server : ForkServer, optional
         The process that runs the trials, to share it between calls.
 
     Raises
@@ -199,7 +201,7 @@ def verify(
     if any(finding.code == "generation" for finding in known):
         # Run it under the generation it was written for: there may be more to tell.
         generation = evidence_of(source.uses).generation
-    with running.TrialRoom(source, generation, limits or running.Limits(), nursery) as room:
+    with running.TrialRoom(source, generation, limits or running.Limits(), server) as room:
         found, ideal, ran = _run(room, chosen, trials, declared, seed, known, tell)
     # Runs name the file of every line; a finding does only where that is not the script.
     found = [replace(f, file="") if f.file == script.name else f for f in found]
@@ -295,7 +297,7 @@ def ablate(
     script: Path | str,
     *,
     effects: Sequence[str] = (),
-    trials: int = 5,
+    trials: int = EFFECT_TRIALS,
     profile: Profile | str | Path = "gritsbot_x",
     generation: int = 2,
     seed: int = 0,

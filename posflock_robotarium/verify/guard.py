@@ -48,7 +48,7 @@ _NETWORK_EVENTS = frozenset(
 
 
 class ForbiddenError(PosflockError, PermissionError):
-    """The script tried what it must not do; the deed is on record."""
+    """The script tried what it must not do; the violation is on record."""
 
 
 class Guard:
@@ -58,7 +58,7 @@ class Guard:
     ----------
     scratch : str
         The folder in which the script may write.
-    deeds : int
+    violations : int
         Descriptor of the file that keeps the record, a line of JSON each.
     steps : function
         How many steps the script has taken.
@@ -66,9 +66,9 @@ class Guard:
 
     active: Guard | None = None
 
-    def __init__(self, scratch: str, deeds: int, steps: Callable[[], int]) -> None:
+    def __init__(self, scratch: str, violations: int, steps: Callable[[], int]) -> None:
         self.scratch = scratch
-        self.deeds = deeds
+        self.violations = violations
         self.steps = steps
 
     def install(self) -> None:
@@ -88,8 +88,8 @@ class Guard:
     def record(self, kind: str, what: str) -> None:
         """Put on record what the script did, and which of its lines."""
         line, file = self.blame()
-        deed = {"kind": kind, "what": what, "line": line, "file": file, "step": self.steps()}
-        os.write(self.deeds, (json.dumps(deed) + "\n").encode())
+        violation = {"kind": kind, "what": what, "line": line, "file": file, "step": self.steps()}
+        os.write(self.violations, (json.dumps(violation) + "\n").encode())
 
     def answer(self, prompt: object = "") -> str:
         """Stand in for ``input()``: nobody is there, which goes on record."""

@@ -63,7 +63,7 @@ def judge(
     runs = [ideal, *trials]
     found = [
         *_endings(ideal.outcome, [t.outcome for t in trials], known, counted),
-        *_deeds(runs, known),
+        *_policy_violations(runs, known),
     ]
     if ideal.outcome.steps:
         found += _robots(ideal.outcome, known)
@@ -133,7 +133,7 @@ def _ending(
     error = outcome.error
     kinds = error.get("kinds", [])
     if "ForbiddenError" in kinds:
-        return None  # the deed is told of
+        return None  # the violation is told of
     place: dict[str, Any] = {"line": error.get("line"), "file": error.get("file", "")}
     what = f"{error.get('type')}: {error.get('message')}".strip(": ")
     settings: dict[str, Any] = {
@@ -204,7 +204,7 @@ def _robots(ideal: Outcome, known: Sequence[Finding]) -> Iterator[Finding]:
         )
 
 
-def _deeds(runs: Sequence[Ran], known: Sequence[Finding]) -> Iterator[Finding]:
+def _policy_violations(runs: Sequence[Ran], known: Sequence[Finding]) -> Iterator[Finding]:
     """Tell of writing elsewhere, of other processes, of the network, of questions."""
     advice = {
         "outside-write": "write into the working folder: only those files come back",
@@ -220,20 +220,20 @@ def _deeds(runs: Sequence[Ran], known: Sequence[Finding]) -> Iterator[Finding]:
         "blocking-call": "waits for somebody, and on the testbed nobody is there",
     }
     for run in runs:
-        for deed in run.outcome.deeds:
-            kind = deed["kind"]
+        for violation in run.outcome.policy_violations:
+            kind = violation["kind"]
             if kind in told:
                 continue
             told.add(kind)
             yield Finding(
                 kind,
                 Verdict.RISK if kind == "network" else Verdict.FAIL,
-                f"{words[kind]} ({deed['what'][:120]})"
+                f"{words[kind]} ({violation['what'][:120]})"
                 + ("; it was stopped" if kind != "blocking-call" else ""),
                 advice[kind],
-                line=deed["line"],
-                file=deed["file"],
-                time=deed["time"] or None,
+                line=violation["line"],
+                file=violation["file"],
+                time=violation["time"] or None,
             )
 
 

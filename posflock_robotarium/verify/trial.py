@@ -100,8 +100,8 @@ class Outcome:
     error : dict
         ``type``, ``message``, ``missing`` (a file that it reads), ``line``, ``file``, ``lines``
         (of the script, in the traceback).
-    deeds : list of dict
-        Forbidden things: ``kind`` (a finding's code), ``what``, ``line``, ``time``.
+    policy_violations : list of dict
+        What policy forbids: ``kind`` (a finding's code), ``what``, ``line``, ``time``.
     events : list
         Faults: kind, robots, first and last step, worst value.
     """
@@ -125,7 +125,7 @@ class Outcome:
     initial_gap: dict[str, Any] = field(default_factory=dict)
     loop: dict[str, float] = field(default_factory=dict)
     silent: dict[str, float] = field(default_factory=dict)
-    deeds: list[dict[str, Any]] = field(default_factory=list)
+    policy_violations: list[dict[str, Any]] = field(default_factory=list)
     files: dict[str, int] = field(default_factory=dict)
     finishing_call: bool = False
     said: str = ""
@@ -232,10 +232,10 @@ def run_trial(plan: TrialPlan) -> None:
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     sys.stdout = open(1, "w", buffering=1, errors="replace", closefd=False)  # noqa: SIM115
     sys.stderr = open(2, "w", buffering=1, errors="replace", closefd=False)  # noqa: SIM115
-    deeds = os.open(results / "deeds.jsonl", os.O_WRONLY | os.O_CREAT | os.O_APPEND)
+    violations = os.open(results / "violations.jsonl", os.O_WRONLY | os.O_CREAT | os.O_APPEND)
     outcome = Outcome(plan.name, seed=plan.seed, profile=plan.profile.get("name", "ideal"))
     try:
-        _run(plan, outcome, pulse, deeds)
+        _run(plan, outcome, pulse, violations)
     finally:
         sys.stdout.flush()
         sys.stderr.flush()
@@ -259,7 +259,7 @@ def read_pulse(pulse: mmap.mmap) -> tuple[int, float, float, float]:
     return int(steps), float(t), float(wall), float(cpu)
 
 
-def _run(plan: TrialPlan, outcome: Outcome, pulse: mmap.mmap, deeds: int) -> None:
+def _run(plan: TrialPlan, outcome: Outcome, pulse: mmap.mmap, violations: int) -> None:
     import random
 
     import rps_compat
@@ -287,10 +287,10 @@ def _run(plan: TrialPlan, outcome: Outcome, pulse: mmap.mmap, deeds: int) -> Non
     sys.dont_write_bytecode = True
     random.seed(plan.seed)
     np.random.seed(plan.seed % 2**32)  # noqa: NPY002 - the script's stream, not ours
-    rps_compat.install(api=plan.generation)
+    rps_compat.install(generation=plan.generation)
     keep_apart(scratch)
     _limit(plan.memory)
-    guard = Guard(scratch, deeds, lambda: watch._steps)
+    guard = Guard(scratch, violations, lambda: watch._steps)
     guard.install()
     builtins.input = guard.answer
     _listen(watch, plan.generation)

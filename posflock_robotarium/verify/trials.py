@@ -86,7 +86,7 @@ class Readable:
     digest: str = ""
 
 
-class Nursery:
+class ForkServer:
     """The process that forks trials; use it in a ``with`` block to have several rooms share it.
 
     It starts with the first request, and again should it have died.
@@ -95,7 +95,7 @@ class Nursery:
     def __init__(self) -> None:
         self._process: subprocess.Popen[str] | None = None
 
-    def __enter__(self) -> Nursery:
+    def __enter__(self) -> ForkServer:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -133,7 +133,7 @@ class Nursery:
             "PYTHONDONTWRITEBYTECODE": "1",
         }
         return subprocess.Popen(
-            [sys.executable, "-m", "posflock_robotarium.verify.nursery"],
+            [sys.executable, "-m", "posflock_robotarium.verify.fork_server"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
@@ -155,26 +155,26 @@ class TrialRoom:
         Of the API to run it under.
     limits : Limits
         What each trial may use.
-    nursery : Nursery, optional
-        Where trials are born; one of its own by default.
+    server : ForkServer, optional
+        Who forks trials; one of its own by default.
     """
 
     def __init__(
-        self, source: Source, generation: int, limits: Limits, nursery: Nursery | None = None
+        self, source: Source, generation: int, limits: Limits, server: ForkServer | None = None
     ) -> None:
         self.source = source
         self.generation = generation
         self.limits = limits
         self._folder = Path(tempfile.mkdtemp(prefix="posflock-verify-"))
-        self._shared = nursery is not None
-        self._nursery = nursery or Nursery()
+        self._shared = server is not None
+        self._server = server or ForkServer()
 
     def __enter__(self) -> TrialRoom:
         return self
 
     def __exit__(self, *_: object) -> None:
         if not self._shared:
-            self._nursery.close()
+            self._server.close()
         shutil.rmtree(self._folder, ignore_errors=True)
 
     def plan(self, name: str, profile: Profile | None = None, **settings: Any) -> TrialPlan:
@@ -214,11 +214,11 @@ class TrialRoom:
             "seconds": self.limits.seconds,
         }
         found: dict[str, Outcome] = {}
-        for outcome in self._nursery.ask(request):
+        for outcome in self._server.ask(request):
             found[outcome.name] = outcome
             if tell is not None:
                 tell(outcome)
-        lost = Outcome("", ended="died", error={"type": "nursery", "message": "no answer"})
+        lost = Outcome("", ended="died", error={"type": "fork server", "message": "no answer"})
         return [self._ran(plan, found.get(plan.name, lost)) for plan in plans]
 
     def _ran(self, plan: TrialPlan, outcome: Outcome) -> Ran:

@@ -1,7 +1,7 @@
-"""Where trials are born and watched: a process that forks one child a trial.
+"""The fork server: a process that forks one child a trial, watches it and ends it in time.
 
-``python -m posflock_robotarium.verify.nursery`` reads JSON requests on its standard input, one a
-line. For each it imports what the trials need, forks them, so many at a time, and writes one JSON
+``python -m posflock_robotarium.verify.fork_server`` reads JSON requests on its standard input, one
+a line. For each it imports what the trials need, forks them, so many at a time, and writes one JSON
 line a finished trial, and an empty line at the end.  Being a process of its own, whatever a
 script does to it does not reach the verifier.  A trial is killed, with everything it started in
 its process group, when it has not stepped for too long, or has used up its time.
@@ -33,7 +33,7 @@ from posflock_robotarium.verify.trial import (
     run_trial,
 )
 
-#: Signals that end the nursery.
+#: Signals that end the fork server.
 _ENDING = (signal.SIGINT, signal.SIGTERM)
 
 
@@ -159,13 +159,15 @@ def _outcome(child: _Child, status: int, why: str | None, left: bool) -> dict[st
         said = _obituary(child, status, why)
     if why is not None and said["ended"] in ("finished", "died"):
         said["ended"] = "hung"
-    deeds = results / "deeds.jsonl"
-    if deeds.exists():
-        said["deeds"] = [json.loads(line) for line in deeds.read_text().splitlines()]
-        for deed in said["deeds"]:
-            deed["time"] = deed.pop("step") * said["time_step"]
+    violations = results / "violations.jsonl"
+    if violations.exists():
+        said["policy_violations"] = [
+            json.loads(line) for line in violations.read_text().splitlines()
+        ]
+        for violation in said["policy_violations"]:
+            violation["time"] = violation.pop("step") * said["time_step"]
     if left:
-        said["deeds"].append(
+        said["policy_violations"].append(
             {"kind": "fork", "what": "left processes running", "line": None, "file": "", "time": 0}
         )
     said["said"] = _tail(results / "said.txt")
