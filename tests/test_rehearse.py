@@ -11,9 +11,13 @@ import pytest
 
 from posflock_robotarium.flocking.errors import OutputError, ParameterError
 from posflock_robotarium.flocking.pose_log import read_log
-from posflock_robotarium.submission import rehearse as rehearsing
-from posflock_robotarium.submission.bundle import BundleError, bundle
-from posflock_robotarium.submission.rehearse import Environment, RehearsalError, rehearse, report_on
+from posflock_robotarium.submission import environment
+from posflock_robotarium.submission.bundle import bundle
+from posflock_robotarium.submission.environment import Environment, RehearsalError
+from posflock_robotarium.submission.manifest import BundleError
+from posflock_robotarium.submission.private_simulator import PRIVATE, lay_simulator
+from posflock_robotarium.submission.rehearse import rehearse, report_on
+from posflock_robotarium.submission.returned_files import FileState
 from posflock_robotarium.verify.static import check_source
 from posflock_robotarium.verify.trials import Limits, TrialRoom
 from rps_compat.scripts import libraries
@@ -54,6 +58,15 @@ def test_a_bundle_runs_as_main_and_its_files_come_back(tmp_path):
     assert np.load(tmp_path / "back" / "poses.npy").shape == (90, 3, 2)
     assert "main is ['main.py'] __main__" in (tmp_path / "back" / "log.txt").read_text()
     assert {path.name for path in (tmp_path / "back").iterdir()} == {"poses.npy", "log.txt"}
+    assert done.files["poses.npy"].state is FileState.READABLE
+
+
+def test_files_that_cannot_be_opened_do_not_pass(tmp_path):
+    up = laid(tmp_path, SCRIPT + "open('torn.npz', 'w').write('not an archive')\n")
+    done = rehearse(up, tmp_path / "back", environment=HERE)
+    assert done.ended == "finished"
+    assert done.files["torn.npz"].state is FileState.UNREADABLE
+    assert not done.passed
 
 
 def test_the_declared_duration_interrupts_the_run(tmp_path):
@@ -142,25 +155,25 @@ def test_bad_requests_are_refused(tmp_path):
 
 def test_without_the_testbeds_python_the_nearest_is_taken_and_said(monkeypatch):
     elsewhere = {(3, 9): Path("nine"), (3, 12): Path("twelve"), (3, 13): Path("thirteen")}
-    monkeypatch.setattr(rehearsing, "installed_pythons", lambda: elsewhere)
-    python, note = rehearsing._nearest_python()
+    monkeypatch.setattr(environment, "installed_pythons", lambda: elsewhere)
+    python, note = environment._nearest_python()
     assert python == Path("twelve")
     assert "3.10, which is not installed" in note
-    monkeypatch.setattr(rehearsing, "installed_pythons", lambda: {(3, 10): Path("ten")})
-    assert rehearsing._nearest_python() == (Path("ten"), "")
+    monkeypatch.setattr(environment, "installed_pythons", lambda: {(3, 10): Path("ten")})
+    assert environment._nearest_python() == (Path("ten"), "")
 
 
 def test_an_environment_that_cannot_be_built_says_why_and_leaves_nothing(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(rehearsing, "_nearest_python", lambda: (Path("/bin/false"), ""))
+    monkeypatch.setattr(environment, "_nearest_python", lambda: (Path("/bin/false"), ""))
     with pytest.raises(RehearsalError, match="cannot build"):
-        rehearsing.build_environment(["numpy"])
+        environment.build_environment(["numpy"])
     assert not list(tmp_path.rglob("ready"))
 
 
 def test_the_simulator_goes_by_a_private_name(tmp_path):
-    rehearsing.lay_simulator(tmp_path)
-    assert {path.name for path in tmp_path.iterdir()} == set(rehearsing._PRIVATE.values())
+    lay_simulator(tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == set(PRIVATE.values())
     text = "\n".join(path.read_text() for path in tmp_path.rglob("*.py"))
     assert not re.findall(r"^\s*(?:from|import) (?:rps_compat|barrier_certificates)\b", text, re.M)
 

@@ -11,58 +11,37 @@ KeyboardInterrupt ends the run inside ``step()``.  What the script wrote comes b
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import json
 import os
-import re
 import shutil
 import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from posflock_robotarium import testbed
-from posflock_robotarium.flocking.errors import OutputError, ParameterError, PosflockError
-from posflock_robotarium.submission.bundle import check_manifest, main_file
-from posflock_robotarium.submission.interpreters import installed_pythons
+from posflock_robotarium.flocking.errors import OutputError, ParameterError
+from posflock_robotarium.submission.environment import (
+    Environment,
+    build_environment,
+    cache_folder,
+)
+from posflock_robotarium.submission.manifest import check_manifest
+from posflock_robotarium.submission.private_simulator import PRIVATE, lay_simulator
+from posflock_robotarium.submission.returned_files import (
+    FileState,
+    ReturnedFile,
+    bring_back,
+    describe_file,
+)
 from rps_compat.scripts import import_graph
-from rps_compat.scripts.libraries import IMPORT_NAMES, LIBRARIES, PYTHON
 
-#: Always installed; heavier ones only where the bundle imports them.
-_BASE = ("numpy", "scipy", "matplotlib", "cvxopt")
 #: How robots may come to their initial conditions.
 _WAYS_TO_BEGIN = ("arrive", "exact", "drive")
-_PRIVATE = {"rps_compat": "_rehearsal_rps", "barrier_certificates": "_rehearsal_certificates"}
-
-
-class RehearsalError(PosflockError):
-    """The rehearsal environment cannot be built or started."""
-
-
-@dataclass(frozen=True)
-class Environment:
-    """A cached copy of the testbed's Python.
-
-    Attributes
-    ----------
-    python : Path
-        Its interpreter.
-    version : str
-        Of that interpreter.
-    libraries : dict
-        Installed versions of what was asked for.
-    note : str
-        How it differs from the testbed; empty where it does not.
-    """
-
-    python: Path
-    version: str
-    libraries: dict[str, str]
-    note: str = ""
 
 
 @dataclass(frozen=True)
@@ -79,8 +58,8 @@ class Rehearsal:
         Done; of how many.
     folder : Path
         What came back: the files that the script wrote, and ``log.txt``.
-    files : dict of str to str
-        Each of them, and what was found on opening it.
+    files : dict of str to ReturnedFile
+        Each of them by name, and what was found on opening it.
     environment : Environment
         Where it ran.
     network : str
@@ -96,7 +75,7 @@ class Rehearsal:
     steps: int
     robots: int
     folder: Path
-    files: dict[str, str]
+    files: dict[str, ReturnedFile]
     environment: Environment
     network: str
     faults: dict[str, int] = field(default_factory=dict)
@@ -106,7 +85,9 @@ class Rehearsal:
     def passed(self) -> bool:
         """Whether the script ended by itself, or by the declared duration, and its files open."""
         good = self.ended in ("finished", "interrupted") and not self.faults.get("close_pairs")
-        return good and not any(text.startswith("unreadable") for text in self.files.values())
+        return good and not any(
+            found.state is FileState.UNREADABLE for found in self.files.values()
+        )
 
 
 def rehearse(
@@ -174,7 +155,8 @@ def rehearse(
     if generation not in (1, 2):
         raise ParameterError(f"generation: expected 1 or 2, got {generation}")
     chosen = profile if isinstance(profile, Profile) else load_profile(profile)
-    names, main = check_manifest(folder), main_file(folder)
+    manifest = check_manifest(folder)
+    names, main = list(manifest.files), manifest.main
     _empty(out)
     libraries = import_graph.trace(folder / main).libraries
     environment = environment or build_environment(libraries, tell)
@@ -188,7 +170,7 @@ def rehearse(
         lay_simulator(private)
         plan = {
             "simulator": str(private),
-            "package": _PRIVATE["rps_compat"],
+            "package": PRIVATE["rps_compat"],
             "generation": generation,
             "profile": profile_to_dict(chosen) if chosen.effects else {},
             "seed": seed,
@@ -198,125 +180,10 @@ def rehearse(
         }
         said, network, code = _run(environment, scratch, Path(room), plan, timeout)
         uploaded = set(names) - {main} | {"main.py"}
-        back = _bring_back(scratch, out, uploaded, said)
+        back = bring_back(scratch, out, uploaded, said)
         verdict = _read_verdict(Path(room) / "verdict.json", code)
     files = {name: describe_file(out / name) for name in back if name != "log.txt"}
     return Rehearsal(folder=out, files=files, environment=environment, network=network, **verdict)
-
-
-# --- The environment ---------------------------------------------------------------------------
-
-
-def build_environment(
-    libraries: Iterable[str], tell: Callable[[str], None] | None = None
-) -> Environment:
-    """Return a cached environment that has the testbed's version of these libraries.
-
-    Parameters
-    ----------
-    libraries : iterable of str
-        Import names; those of the standard library do not matter.
-    tell : callable, optional
-        Is told when one is being built, which takes a minute.
-    """
-    wanted = {IMPORT_NAMES[name] for name in libraries if name in IMPORT_NAMES}
-    pins = [
-        f"{name}=={version}" if version else name
-        for name, version in LIBRARIES.items()
-        if name in wanted or name in _BASE
-    ]
-    base, note = _nearest_python()
-    key = hashlib.sha256("\n".join([str(base), *pins]).encode()).hexdigest()[:16]
-    folder = _cache() / f"testbed-{key}"
-    python = folder / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
-    if not (folder / "ready").exists():
-        if tell is not None:
-            tell(f"building the rehearsal environment, once: {', '.join(pins)}")
-        _build(base, folder, python, pins)
-    program = (
-        "import json, platform; from importlib.metadata import version;"
-        f"print(json.dumps([platform.python_version(), {{n: version(n) for n in"
-        f" {[pin.partition('==')[0] for pin in pins]!r}}}]))"
-    )
-    version, installed = json.loads(
-        subprocess.run(
-            [str(python), "-I", "-c", program], capture_output=True, text=True, check=True
-        ).stdout
-    )
-    return Environment(python, version, installed, note)
-
-
-def _nearest_python() -> tuple[Path, str]:
-    """Return the testbed's Python, or the nearest there is with a note that says so."""
-    pythons = installed_pythons()
-    if PYTHON in pythons:
-        return pythons[PYTHON], ""
-    nearest = min((v for v in pythons if v >= (3, 10)), key=lambda v: abs(v[1] - PYTHON[1]))
-    return pythons[nearest], (
-        f"the testbed runs Python {PYTHON[0]}.{PYTHON[1]}, which is not installed"
-        f" here: rehearsed with {nearest[0]}.{nearest[1]}, which accepts newer syntax"
-    )
-
-
-def _cache() -> Path:
-    home = os.environ.get("XDG_CACHE_HOME")
-    return (Path(home) if home else Path.home() / ".cache") / "posflock"
-
-
-def _build(base: Path, folder: Path, python: Path, pins: list[str]) -> None:
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    commands = [
-        [str(base), "-m", "venv", str(folder)],
-        [str(python), "-m", "pip", "install", "-q", "--disable-pip-version-check", *pins],
-    ]
-    for command in commands:
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if done.returncode:
-            shutil.rmtree(folder, ignore_errors=True)
-            last = (done.stderr.strip().splitlines() or ["no reason given"])[-1]
-            raise RehearsalError(
-                f"cannot build the rehearsal environment: `{' '.join(command[1:4])} …` ended with"
-                f" {last!r}; it needs the package index once"
-            )
-    (folder / "ready").write_text("\n".join(pins) + "\n")
-
-
-def lay_simulator(folder: Path) -> None:
-    """Copy the simulator into `folder` under private names.
-
-    The bundle brings its own ``barrier_certificates`` and must find those, not the simulator's.
-    """
-    import barrier_certificates
-    import rps_compat
-
-    for package in (rps_compat, barrier_certificates):
-        home = Path(str(package.__file__)).parent
-        target = folder / _PRIVATE[package.__name__]
-        for path in sorted(home.rglob("*")):
-            if path.is_dir() or "__pycache__" in path.parts or "import_paths" in path.parts:
-                continue
-            copy = target / path.relative_to(home)
-            copy.parent.mkdir(parents=True, exist_ok=True)
-            if path.suffix == ".py":
-                copy.write_text(_renamed(path.read_text(encoding="utf-8")), encoding="utf-8")
-            else:
-                shutil.copyfile(path, copy)
-
-
-def _renamed(source: str) -> str:
-    """Return source in which our two packages go by their private names.
-
-    ``rps.utilities.barrier_certificates`` is a module of the API and keeps its name: only what is
-    imported as a top-level name, or named so in a string, is renamed.
-    """
-    for name, private in _PRIVATE.items():
-        source = re.sub(rf"(?m)^(\s*(?:from|import)\s+){name}\b", rf"\g<1>{private}", source)
-        source = re.sub(rf"(f?[\"']){name}(?=[.\"'])", rf"\g<1>{private}", source)
-    return source
-
-
-# --- The run -----------------------------------------------------------------------------------
 
 
 def _run(
@@ -343,7 +210,7 @@ def _run(
             env=kept
             | {
                 "MPLBACKEND": "Agg",
-                "MPLCONFIGDIR": str(_cache() / "matplotlib"),
+                "MPLCONFIGDIR": str(cache_folder() / "matplotlib"),
                 "OPENBLAS_NUM_THREADS": "1",
                 "PYTHONUNBUFFERED": "1",
             },
@@ -390,40 +257,6 @@ def _empty(out: Path) -> None:
         raise OutputError(f"{out} is not empty; choose a new folder for what comes back")
 
 
-def _bring_back(scratch: Path, out: Path, uploaded: set[str], said: str) -> list[str]:
-    """Copy what the script wrote into `out`, as the testbed returns it."""
-    (out / "log.txt").write_text(said, encoding="utf-8")
-    back = ["log.txt"]
-    for path in sorted(scratch.rglob("*")):
-        name = str(path.relative_to(scratch))
-        if path.is_file() and name not in uploaded and "__pycache__" not in path.parts:
-            (out / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(path, out / name)
-            back.append(name)
-    return back
-
-
-def describe_file(path: Path) -> str:
-    """Open a returned file and say what it is; "unreadable" first where it cannot be."""
-    from posflock_robotarium.flocking.errors import LogError
-    from posflock_robotarium.flocking.pose_log import read_log
-    from posflock_robotarium.verify.trials import read_back
-
-    if path.suffix == ".npy":
-        try:
-            log = read_log(path)
-        except LogError:
-            pass
-        else:
-            end = log.metadata.get("ended", {}).get("how", "unknown")
-            last = f"{log.t[-1]:.1f} s" if len(log.t) else "nothing"
-            return f"pose log of {log.robots} robots, {len(log.t)} rows until {last}, {end}"
-    content = read_back(path)
-    if not content.readable:
-        return f"unreadable ({content.size} bytes)"
-    return f"readable, {content.size} bytes"
-
-
 def report_on(done: Rehearsal) -> Path | None:
     """Open the pose logs that came back with the report, and return its page; None without any.
 
@@ -436,7 +269,9 @@ def report_on(done: Rehearsal) -> Path | None:
     from posflock_robotarium.report.outputs import write_report
 
     logs = [
-        done.folder / name for name, found in done.files.items() if found.startswith("pose log")
+        done.folder / name
+        for name, found in done.files.items()
+        if found.state is FileState.POSE_LOG
     ]
     if not logs:
         return None
