@@ -10,7 +10,7 @@ from rps_compat.errors import RobotariumError, ScriptError
 from rps_compat.generations import Generation
 from rps_compat.realism import Profile
 from rps_compat.recording import OpenRecorder
-from rps_compat.run_result import RunResult
+from rps_compat.running.outcome import Outcome
 from rps_compat.session import Initial
 
 
@@ -70,7 +70,7 @@ class RunSettings:
     video: Path | None = None
     recorder: OpenRecorder | None = None
     tell: Callable[[str], None] | None = None
-    end_process: Callable[[RunResult], NoReturn] | None = None
+    end_process: Callable[[Outcome], NoReturn] | None = None
 
     def __post_init__(self) -> None:
         if self.timeout is not None and not self.timeout > 0:

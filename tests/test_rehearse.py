@@ -53,7 +53,8 @@ def laid(tmp_path, text=SCRIPT):
 
 def test_a_bundle_runs_as_main_and_its_files_come_back(tmp_path):
     done = rehearse(laid(tmp_path), tmp_path / "back", environment=HERE)
-    assert (done.ended, done.steps, done.robots) == ("finished", 90, 2)
+    assert (done.outcome.ended, done.outcome.steps) == ("finished", 90)
+    assert done.outcome.report.number_of_robots == 2
     assert done.passed
     assert np.load(tmp_path / "back" / "poses.npy").shape == (90, 3, 2)
     assert "main is ['main.py'] __main__" in (tmp_path / "back" / "log.txt").read_text()
@@ -64,15 +65,17 @@ def test_a_bundle_runs_as_main_and_its_files_come_back(tmp_path):
 def test_files_that_cannot_be_opened_do_not_pass(tmp_path):
     up = laid(tmp_path, SCRIPT + "open('torn.npz', 'w').write('not an archive')\n")
     done = rehearse(up, tmp_path / "back", environment=HERE)
-    assert done.ended == "finished"
+    assert done.outcome.ended == "finished"
     assert done.files["torn.npz"].state is FileState.UNREADABLE
     assert not done.passed
 
 
 def test_the_declared_duration_interrupts_the_run(tmp_path):
     done = rehearse(laid(tmp_path), tmp_path / "back", duration=1.0, environment=HERE)
-    assert done.ended == "interrupted"
-    assert done.seconds == pytest.approx(1.0, abs=0.05)
+    assert done.outcome.ended == "over time"
+    assert done.passed
+    assert done.reason == ""
+    assert done.outcome.time == pytest.approx(1.0, abs=0.05)
     assert len(np.load(tmp_path / "back" / "poses.npy")) == 32
 
 
@@ -87,7 +90,7 @@ def test_the_same_seed_gives_the_same_files(tmp_path):
 def test_a_crash_comes_back_with_its_traceback(tmp_path):
     up = laid(tmp_path, SCRIPT.replace("r.debug()", "1 / 0"))
     done = rehearse(up, tmp_path / "back", environment=HERE)
-    assert done.ended == "crashed"
+    assert done.outcome.ended == "failed"
     assert not done.passed
     assert done.reason == "main.py, line 16: ZeroDivisionError: division by zero"
     assert "ZeroDivisionError" in (tmp_path / "back" / "log.txt").read_text()
@@ -128,7 +131,7 @@ def test_a_module_that_the_testbeds_python_cannot_read_is_named(tmp_path):
 def test_there_is_no_network(tmp_path):
     text = SCRIPT + "import socket\nsocket.create_connection(('127.0.0.1', 9), timeout=1)\n"
     done = rehearse(laid(tmp_path, text), tmp_path / "back", environment=HERE)
-    assert done.ended == "crashed"
+    assert done.outcome.ended == "failed"
     assert "there is no network" in (tmp_path / "back" / "log.txt").read_text()
 
 
@@ -137,7 +140,8 @@ def test_a_script_that_hangs_is_ended(tmp_path):
         "print(", "while True:\n    pass\nprint("
     )
     done = rehearse(laid(tmp_path, text), tmp_path / "back", timeout=6.0, environment=HERE)
-    assert done.ended in ("hung", "interrupted")
+    assert done.outcome.ended in ("hung", "timed out")
+    assert not done.passed
     assert (tmp_path / "back" / "poses.npy").exists()
 
 
@@ -223,7 +227,7 @@ def test_ends_although_the_script_left_processes_running_that_hold_its_output(tm
     )
     begun = time.monotonic()
     done = rehearse(laid(tmp_path, text), tmp_path / "back", environment=HERE)
-    assert done.ended == "finished"
+    assert done.outcome.ended == "finished"
     assert time.monotonic() - begun < 15
     left = Path("/proc") / (tmp_path / "back/left.txt").read_text() / "cmdline"
     assert not left.exists() or not left.read_bytes()  # gone, or nothing but a table entry
@@ -238,5 +242,5 @@ def test_refuses_options_outside_their_range(tmp_path, wrong):
 def test_a_script_that_ends_its_process_is_not_said_to_hang(tmp_path):
     text = SCRIPT + "import os\nos._exit(0)\n"
     done = rehearse(laid(tmp_path, text), tmp_path / "back", environment=HERE)
-    assert (done.ended, done.passed) == ("exited", False)
+    assert (done.outcome.ended, done.passed) == ("died", False)
     assert "ended itself, exit code 0" in done.reason

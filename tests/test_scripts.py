@@ -15,9 +15,9 @@ from posflock_robotarium.flocking.errors import PosflockError
 from posflock_robotarium.flocking.pose_log import read_log
 from posflock_robotarium.logs.recorder import open_pose_log
 from rps_compat.errors import ScriptError
-from rps_compat.run_result import summary
 from rps_compat.run_settings import RunSettings, SettingsError
 from rps_compat.runner import run_script
+from rps_compat.running.outcome import summary
 
 SCRIPTS = Path(__file__).parent / "scripts"
 
@@ -88,7 +88,7 @@ def test_clock_and_input_do_not_wait(run):
 
 def test_endless_script_is_stopped_and_its_log_kept(run):
     result, _, _, log = run("runs_forever.py", timeout=1.0)
-    assert (result.ended, result.exit_code) == ("timeout", 124)
+    assert (result.ended, result.exit_code) == ("timed out", 124)
     assert "time limit of 1 s" in summary(result)
     # The step in which it was stopped may have been begun and not ended.
     assert len(log.t) - result.reports[0].steps in (0, 1)

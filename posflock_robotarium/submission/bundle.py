@@ -139,7 +139,7 @@ def bundle(
             f"the upload has {total} bytes, but {largest} are allowed; the largest file is"
             f" {max(files, key=lambda name: len(files[name]))}"
         )
-    from posflock_robotarium.verify.judge import recommended_duration
+    from posflock_robotarium.verify.timing import recommended_duration
 
     duration = None if run_seconds is None else recommended_duration(run_seconds)
     warnings = tuple(_warnings(script, found))

@@ -19,7 +19,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -38,8 +38,16 @@ from posflock_robotarium.submission.returned_files import (
     bring_back,
     describe_file,
 )
+from rps_compat.running.outcome import Ended, Outcome
+from rps_compat.running.plan import RunPlan
 from rps_compat.scripts import import_graph
 
+#: What the testbed calls the main file.
+_MAIN = "main.py"
+#: Names in the room of a rehearsal.
+_SIMULATOR, _OUTCOME = "private", "outcome.json"
+#: Ends of a run that are none of its faults.
+_GOOD = (Ended.FINISHED, Ended.IDLE, Ended.OVER_TIME)
 #: How robots may come to their initial conditions.
 _WAYS_TO_BEGIN = ("arrive", "exact", "drive")
 
@@ -50,12 +58,8 @@ class Rehearsal:
 
     Attributes
     ----------
-    ended : str
-        finished, crashed, exited, interrupted (by the duration), hung.
-    seconds : float
-        Of the run.
-    steps, robots : int
-        Done; of how many.
+    outcome : Outcome
+        How the run went.
     folder : Path
         What came back: the files that the script wrote, and ``log.txt``.
     files : dict of str to ReturnedFile
@@ -64,30 +68,54 @@ class Rehearsal:
         Where it ran.
     network : str
         How the network was kept away.
-    faults : dict
-        Steps with too near pairs, robots outside, and wheels beyond their limit.
-    reason : str
-        Why it crashed or exited: the line of main.py and the error; empty where it did not.
     """
 
-    ended: str
-    seconds: float
-    steps: int
-    robots: int
+    outcome: Outcome
     folder: Path
     files: dict[str, ReturnedFile]
     environment: Environment
     network: str
-    faults: dict[str, int] = field(default_factory=dict)
-    reason: str = ""
 
     @property
     def passed(self) -> bool:
         """Whether the script ended by itself, or by the declared duration, and its files open."""
-        good = self.ended in ("finished", "interrupted") and not self.faults.get("close_pairs")
-        return good and not any(
-            found.state is FileState.UNREADABLE for found in self.files.values()
-        )
+        outcome = self.outcome
+        broken = outcome.error is not None and outcome.error.type != "KeyboardInterrupt"
+        collided = outcome.report is not None and outcome.report.pairs_too_close > 0
+        opened = all(found.state is not FileState.UNREADABLE for found in self.files.values())
+        return outcome.ended in _GOOD and not broken and not collided and opened
+
+    @property
+    def reason(self) -> str:
+        """Why it ended badly: the line of main.py and the error; empty where it did not."""
+        outcome, error = self.outcome, self.outcome.error
+        if error is None or error.type == "KeyboardInterrupt":
+            return "" if outcome.ended in _GOOD else outcome.reason
+        if outcome.left_with_code:
+            code = error.message
+            return f"exit code {code if code == str(outcome.exit_code) else repr(code)}"
+        main = [place for place in error.lines if place[1] == _MAIN]
+        others = [place for place in error.lines if place[1] != _MAIN]
+        words = [f"{file}, line {line}" for line, file in main[-1:] + others[-1:]]
+        place = words[0] + (f" ({words[1]})" if words[1:] else "") + ": " if words else ""
+        what = f"{error.full_type}: {error.message}".rstrip(": ")
+        return place + what.partition("\n")[0]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return plain data, ready for JSON."""
+        environment = asdict(self.environment) | {"python": str(self.environment.python)}
+        return {
+            "passed": self.passed,
+            "reason": self.reason,
+            "outcome": self.outcome.as_dict(),
+            "folder": str(self.folder),
+            "files": {
+                name: {"state": found.state.value, "about": found.about}
+                for name, found in self.files.items()
+            },
+            "environment": environment,
+            "network": self.network,
+        }
 
 
 def rehearse(
@@ -163,36 +191,54 @@ def rehearse(
     if tell is not None:
         tell(f"rehearsing {main} under Python {environment.version}")
     with tempfile.TemporaryDirectory(prefix="posflock-rehearsal-") as room:
-        scratch, private = Path(room) / "upload", Path(room) / "private"
+        scratch, private = Path(room) / "upload", Path(room) / _SIMULATOR
         scratch.mkdir()
         for name in names:
-            shutil.copyfile(folder / name, scratch / ("main.py" if name == main else name))
+            shutil.copyfile(folder / name, scratch / (_MAIN if name == main else name))
         lay_simulator(private)
-        plan = {
-            "simulator": str(private),
-            "package": PRIVATE["rps_compat"],
-            "generation": generation,
-            "profile": profile_to_dict(chosen) if chosen.effects else {},
-            "seed": seed,
-            "initial": initial,
-            "duration": duration,
-            "verdict": str(Path(room) / "verdict.json"),
-        }
-        said, network, code = _run(environment, scratch, Path(room), plan, timeout)
-        uploaded = set(names) - {main} | {"main.py"}
+        plan = RunPlan(
+            script=_MAIN,
+            folder=os.path.realpath(scratch),
+            generation=1 if generation == 1 else 2,
+            initial=initial,  # type: ignore[arg-type]  # checked above
+            seed=seed,
+            profile=profile_to_dict(chosen) if chosen.effects else None,
+            wait=False,
+            keeps_apart=False,
+            forbidden=("network",),
+            forbidden_to_libraries=True,
+            longest=duration,
+            kills_deaf=True,
+        )
+        said, network, end = _run(environment, plan, Path(room), timeout)
+        uploaded = set(names) - {main} | {_MAIN}
         back = bring_back(scratch, out, uploaded, said)
-        verdict = _read_verdict(Path(room) / "verdict.json", code)
+        outcome = _read_outcome(Path(room) / _OUTCOME, plan, end)
     files = {name: describe_file(out / name) for name in back if name != "log.txt"}
-    return Rehearsal(folder=out, files=files, environment=environment, network=network, **verdict)
+    return Rehearsal(outcome, out, files, environment, network)
+
+
+@dataclass(frozen=True)
+class _End:
+    """How the process of a rehearsal ended: its code, and whether its time was over."""
+
+    code: int
+    timed_out: bool
 
 
 def _run(
-    environment: Environment, scratch: Path, room: Path, plan: dict[str, Any], timeout: float
-) -> tuple[str, str, int]:
-    """Run the plan; return what was said, how the network was kept away, and the exit code."""
+    environment: Environment, plan: RunPlan, room: Path, timeout: float
+) -> tuple[str, str, _End]:
+    """Run the plan; return what was said, how the network was kept away, and the end."""
     launcher = Path(__file__).with_name("rehearsal_launcher.py")
-    (room / "plan.json").write_text(json.dumps(plan))
-    command = [str(environment.python), "-I", "-B", str(launcher), str(room / "plan.json")]
+    order = {
+        "simulator": str(room / _SIMULATOR),
+        "package": PRIVATE["rps_compat"],
+        "plan": asdict(plan),
+        "outcome": str(room / _OUTCOME),
+    }
+    (room / "order.json").write_text(json.dumps(order))
+    command = [str(environment.python), "-I", "-B", str(launcher), str(room / "order.json")]
     network = "socket calls refused in Python; native code is not stopped"
     if _can_unshare():
         command = ["unshare", "--map-root-user", "--net", *command]
@@ -202,7 +248,7 @@ def _run(
     with open(room / "said.txt", "wb") as said:
         process = subprocess.Popen(
             command,
-            cwd=scratch,
+            cwd=plan.folder,
             stdin=subprocess.DEVNULL,
             stdout=said,
             stderr=subprocess.STDOUT,
@@ -215,6 +261,7 @@ def _run(
                 "PYTHONUNBUFFERED": "1",
             },
         )
+        timed_out = False
         try:
             for grace, sent in ((timeout, signal.SIGINT), (10.0, signal.SIGKILL), (None, None)):
                 try:
@@ -222,12 +269,13 @@ def _run(
                     break
                 except subprocess.TimeoutExpired:
                     assert sent is not None
+                    timed_out = True
                     os.killpg(process.pid, sent)
         finally:  # the run and whatever it started
             with contextlib.suppress(ProcessLookupError, PermissionError):
                 os.killpg(process.pid, signal.SIGKILL)
     text = (room / "said.txt").read_text(encoding="utf-8", errors="replace")
-    return text, network, process.returncode
+    return text, network, _End(process.returncode, timed_out)
 
 
 def _can_unshare() -> bool:
@@ -237,15 +285,20 @@ def _can_unshare() -> bool:
     return subprocess.run(command, capture_output=True, check=False).returncode == 0
 
 
-def _read_verdict(path: Path, code: int) -> dict[str, Any]:
+def _read_outcome(path: Path, plan: RunPlan, end: _End) -> Outcome:
+    """Return what the run tells of itself, or what is known of it."""
     try:
-        verdict: dict[str, Any] = json.loads(path.read_text())
+        outcome = Outcome.from_dict(json.loads(path.read_text()))
     except (OSError, ValueError):
-        verdict = {"ended": "hung", "seconds": 0.0, "steps": 0, "robots": 0, "faults": {}}
-        verdict["reason"] = "it was killed, or went on after it had been interrupted"
-        if code >= 0:  # not by a signal
-            verdict |= {"ended": "exited", "reason": f"its process ended itself, exit code {code}"}
-    return verdict
+        ended, reason = Ended.HUNG, "it was killed, or went on after it had been interrupted"
+        if end.code >= 0:  # not by a signal
+            ended, reason = Ended.DIED, f"its process ended itself, exit code {end.code}"
+        script = Path(plan.folder, plan.script)
+        return Outcome(script, plan.generation, ended, reason, abs(end.code) or 1)
+    if end.timed_out and outcome.ended is Ended.INTERRUPTED:
+        reason = "stopped by the time limit"
+        return replace(outcome, ended=Ended.TIMED_OUT, reason=reason)
+    return outcome
 
 
 def _empty(out: Path) -> None:
