@@ -30,7 +30,7 @@ from posflock_robotarium.submission.environment import (
     build_environment,
     cache_folder,
 )
-from posflock_robotarium.submission.manifest import check_manifest
+from posflock_robotarium.submission.manifest import Manifest, check_manifest
 from posflock_robotarium.submission.private_simulator import PRIVATE, lay_simulator
 from posflock_robotarium.submission.returned_files import (
     FileState,
@@ -168,10 +168,32 @@ def rehearse(
     ParameterError
         Where an option is outside its range.
     """
-    from rps_compat.profiles import load_profile, profile_to_dict
-    from rps_compat.realism import Profile
-
+    _refuse_outside_ranges(duration, timeout, initial, generation)
     folder, out = Path(folder), Path(out)
+    plan = RunPlan(
+        script=_MAIN,
+        folder="",  # made below
+        generation=1 if generation == 1 else 2,
+        initial=initial,  # type: ignore[arg-type]  # checked above
+        seed=seed,
+        profile=_table(profile),
+        wait=False,
+        keeps_apart=False,
+        forbidden=("network",),
+        forbidden_to_libraries=True,
+        longest=duration,
+        kills_deaf=True,
+    )
+    manifest = check_manifest(folder)
+    _empty(out)
+    libraries = import_graph.trace(folder / manifest.main).libraries
+    environment = environment or build_environment(libraries, tell)
+    if tell is not None:
+        tell(f"rehearsing {manifest.main} under Python {environment.version}")
+    return _rehearsed(folder, out, manifest, plan, environment, timeout)
+
+
+def _refuse_outside_ranges(duration: float, timeout: float, initial: str, generation: int) -> None:
     if not 0 < duration <= testbed.MAX_DURATION:
         raise ParameterError(
             f"duration: expected above 0 and at most {testbed.MAX_DURATION:.0f} s, got {duration}"
@@ -182,38 +204,38 @@ def rehearse(
         raise ParameterError(f"initial: expected {', '.join(_WAYS_TO_BEGIN)}, got {initial!r}")
     if generation not in (1, 2):
         raise ParameterError(f"generation: expected 1 or 2, got {generation}")
+
+
+def _table(profile: Any) -> dict[str, Any] | None:
+    """Return a profile, which may be given by its name or file, as a plan has it."""
+    from rps_compat.profiles import load_profile, profile_to_dict
+    from rps_compat.realism import Profile
+
     chosen = profile if isinstance(profile, Profile) else load_profile(profile)
-    manifest = check_manifest(folder)
-    names, main = list(manifest.files), manifest.main
-    _empty(out)
-    libraries = import_graph.trace(folder / main).libraries
-    environment = environment or build_environment(libraries, tell)
-    if tell is not None:
-        tell(f"rehearsing {main} under Python {environment.version}")
-    with tempfile.TemporaryDirectory(prefix="posflock-rehearsal-") as room:
-        scratch, private = Path(room) / "upload", Path(room) / _SIMULATOR
+    return profile_to_dict(chosen) if chosen.effects else None
+
+
+def _rehearsed(
+    folder: Path,
+    out: Path,
+    manifest: Manifest,
+    plan: RunPlan,
+    environment: Environment,
+    timeout: float,
+) -> Rehearsal:
+    """Run the bundle in a room of its own, and bring back what it wrote."""
+    with tempfile.TemporaryDirectory(prefix="posflock-rehearsal-") as place:
+        room = Path(place)
+        scratch = room / "upload"
         scratch.mkdir()
-        for name in names:
-            shutil.copyfile(folder / name, scratch / (_MAIN if name == main else name))
-        lay_simulator(private)
-        plan = RunPlan(
-            script=_MAIN,
-            folder=os.path.realpath(scratch),
-            generation=1 if generation == 1 else 2,
-            initial=initial,  # type: ignore[arg-type]  # checked above
-            seed=seed,
-            profile=profile_to_dict(chosen) if chosen.effects else None,
-            wait=False,
-            keeps_apart=False,
-            forbidden=("network",),
-            forbidden_to_libraries=True,
-            longest=duration,
-            kills_deaf=True,
-        )
-        said, network, end = _run(environment, plan, Path(room), timeout)
-        uploaded = set(names) - {main} | {_MAIN}
+        for name in manifest.files:
+            shutil.copyfile(folder / name, scratch / (_MAIN if name == manifest.main else name))
+        lay_simulator(room / _SIMULATOR)
+        plan = replace(plan, folder=os.path.realpath(scratch))
+        said, network, end = _run(environment, plan, room, timeout)
+        uploaded = set(manifest.files) - {manifest.main} | {_MAIN}
         back = bring_back(scratch, out, uploaded, said)
-        outcome = _read_outcome(Path(room) / _OUTCOME, plan, end)
+        outcome = _read_outcome(room / _OUTCOME, plan, end)
     files = {name: describe_file(out / name) for name in back if name != "log.txt"}
     return Rehearsal(outcome, out, files, environment, network)
 
