@@ -79,16 +79,16 @@ def places(robots: int) -> np.ndarray:
     return np.stack([x.ravel(), y.ravel(), np.zeros(50)])[:, :robots]
 
 
-def robotarium(api: int, robots: int, **options: object) -> object:
+def robotarium(generation: int, robots: int, **options: object) -> object:
     from rps.robotarium import Robotarium
 
-    if api == 2:
+    if generation == 2:
         options["skip_initialization"] = True
     options = {"show_figure": False, "sim_in_real_time": False, **options}
     return Robotarium(number_of_robots=robots, initial_conditions=places(robots), **options)
 
 
-def stepping(api: int) -> Callable[[], float]:
+def stepping(generation: int) -> Callable[[], float]:
     """Return what steps nine robots that turn on the spot."""
 
     def loop() -> None:
@@ -97,7 +97,7 @@ def stepping(api: int) -> Callable[[], float]:
             r.set_velocities(ids, command)
             r.step()
 
-    r, ids = robotarium(api, 9), np.arange(9)
+    r, ids = robotarium(generation, 9), np.arange(9)
     command = np.stack([np.zeros(9), np.full(9, 0.5)])
     return lambda: cpu(loop)
 
@@ -115,16 +115,16 @@ def plain_stepping() -> float:
     return cpu(loop)
 
 
-def swapping(api: int, robots: int, steps: int, dense: bool = False) -> float:
+def swapping(generation: int, robots: int, steps: int, dense: bool = False) -> float:
     """Let everybody change places behind a boundary certificate, ours or the common one."""
     from rps.utilities import barrier_certificates as certificates
     from rps.utilities.transformations import create_si_to_uni_mapping
 
-    kind = "si" if api == 2 else "single_integrator"
+    kind = "si" if generation == 2 else "single_integrator"
     ours = getattr(certificates, f"create_{kind}_barrier_certificate_with_boundary")
     barrier = dense_certificate(GTERNAL.boundaries) if dense else ours()
     to_command, _ = create_si_to_uni_mapping()
-    r, ids = robotarium(api, robots), np.arange(robots)
+    r, ids = robotarium(generation, robots), np.arange(robots)
     goals = places(robots)[:2, ::-1]
 
     def loop() -> None:
@@ -149,12 +149,12 @@ def plotting(plot: str, steps: int, folder: Path) -> float:
     return float(said.read_text().split()[1])
 
 
-def growth(api: int) -> float:
+def growth(generation: int) -> float:
     """Return the MB by which the process grows from the hundredth to the thousandth instance."""
 
     def resident(instances: int) -> float:
         for _ in range(instances):
-            r = robotarium(api, 9, show_figure=True)
+            r = robotarium(generation, 9, show_figure=True)
             r.get_poses()
             r.step()
         gc.collect()
@@ -167,9 +167,9 @@ def growth(api: int) -> float:
     return resident(900) - before
 
 
-def constructing(api: int) -> float:
+def constructing(generation: int) -> float:
     """Return the CPU seconds of an instance."""
-    return cpu(lambda: [robotarium(api, 9) for _ in range(INSTANCES)]) / INSTANCES
+    return cpu(lambda: [robotarium(generation, 9) for _ in range(INSTANCES)]) / INSTANCES
 
 
 def main() -> int:
@@ -178,25 +178,28 @@ def main() -> int:
     parser.add_argument("--rounds", type=int, default=5)
     rounds = parser.parse_args().rounds
     table = Table()
-    for api in (1, 2):
-        rps_compat.install(api=api)
-        print(f"generation {api}")
-        times = Times({"ours": stepping(api), "plain": plain_stepping}, rounds)
+    for generation in (1, 2):
+        rps_compat.install(generation=generation)
+        print(f"generation {generation}")
+        times = Times({"ours": stepping(generation), "plain": plain_stepping}, rounds)
         table.ratio("nine robots, against plain numpy", times, "ours", "plain", MOST_STEP, STEPS)
         print(f"    {STEPS / times.median('ours'):,.0f} steps a second of CPU time")
         for robots, steps in ((9, 150), (50, 10)):
-            swap = partial(swapping, api, robots, steps)
+            swap = partial(swapping, generation, robots, steps)
             times = Times({"ours": swap, "dense": partial(swap, dense=True)}, rounds)
             what = f"{robots} robots and boundary, against dense cvxopt"
             table.ratio(what, times, "ours", "dense", MOST_CERTIFIED[robots], steps)
             print(f"    {steps / times.median('ours'):,.0f} steps a second of CPU time")
         times = Times(
-            {"instance": partial(constructing, api), "step": lambda: plain_stepping() / STEPS},
+            {
+                "instance": partial(constructing, generation),
+                "step": lambda: plain_stepping() / STEPS,
+            },
             rounds,
         )
         what = "construction, against a plain numpy step"
         table.ratio(what, times, "instance", "step", MOST_CONSTRUCTION)
-        table.bar("growth by 900 more instances", growth(api), "≤", MOST_GROWTH, "MB")
+        table.bar("growth by 900 more instances", growth(generation), "≤", MOST_GROWTH, "MB")
         rps_compat.uninstall()
     print("plotting in every step, against the same script without")
     with tempfile.TemporaryDirectory() as folder:

@@ -26,7 +26,7 @@ except ImportError:
     import rps_compat
 
     # Robots stand where they are asked to, so that a seed gives one run to the last byte.
-    rps_compat.install(api=2, session=rps_compat.Session(initial="exact"))
+    rps_compat.install(generation=2, session=rps_compat.Session(initial="exact"))
     import rps.robotarium as robotarium
 
     STAND_IN = True

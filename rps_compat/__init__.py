@@ -1,7 +1,7 @@
 """The Robotarium's Python API, both generations, over one headless simulator.
 
     import rps_compat
-    rps_compat.install(api=2)          # from now on, `import rps` means us
+    rps_compat.install(generation=2)          # from now on, `import rps` means us
     from rps.robotarium import Robotarium
 
 ``arena`` is the simulator; ``v1`` and ``v2`` are the published names over it; ``session`` says how

@@ -1,4 +1,4 @@
-"""``python -m rps_compat run SCRIPT`` and ``python -m rps_compat path --api 2``."""
+"""``python -m rps_compat run SCRIPT`` and ``python -m rps_compat path --generation 2``."""
 
 import argparse
 import sys
@@ -31,7 +31,9 @@ def parser() -> argparse.ArgumentParser:
     top = argparse.ArgumentParser(prog="python -m rps_compat", description=__doc__)
     commands = top.add_subparsers(dest="command", required=True)
     run = commands.add_parser("run", help="run a Robotarium script as it is")
-    run.add_argument("--api", type=int, choices=(1, 2), help="found from the script by default")
+    run.add_argument(
+        "--generation", type=int, choices=(1, 2), help="found from the script by default"
+    )
     shown = run.add_mutually_exclusive_group()
     shown.add_argument(
         "--headless",
@@ -55,7 +57,7 @@ def parser() -> argparse.ArgumentParser:
     run.add_argument("script", type=Path)
     run.add_argument("arguments", nargs=argparse.REMAINDER, help="the script's own arguments")
     path = commands.add_parser("path", help="print what to put on PYTHONPATH")
-    path.add_argument("--api", type=int, choices=(1, 2), default=2)
+    path.add_argument("--generation", type=int, choices=(1, 2), default=2)
     return top
 
 
@@ -63,10 +65,10 @@ def main(words: Sequence[str] | None = None) -> int:
     """Run the command line `words`; return the exit code."""
     asked = parser().parse_args(words)
     if asked.command == "path":
-        print(import_path(asked.api))
+        print(import_path(asked.generation))
         return 0
     settings = RunSettings(
-        api=asked.api,
+        generation=asked.generation,
         headless=asked.headless,
         initial=asked.initial,
         seed=asked.seed,

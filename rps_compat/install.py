@@ -13,12 +13,10 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 from types import ModuleType
-from typing import Literal
 
 from rps_compat.errors import RobotariumError
+from rps_compat.generations import Generation
 from rps_compat.session import Session, use
-
-Api = Literal[1, 2]
 
 
 class UnknownGenerationError(RobotariumError, ValueError):
@@ -30,11 +28,11 @@ class ExampleScriptError(RobotariumError, ModuleNotFoundError):
 
 
 class _Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    def __init__(self, api: Api) -> None:
-        self.api = api
+    def __init__(self, generation: Generation) -> None:
+        self.generation = generation
 
     def _target(self, name: str) -> str:
-        return f"rps_compat.v{self.api}" + name.removeprefix("rps")
+        return f"rps_compat.v{self.generation}" + name.removeprefix("rps")
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
@@ -66,20 +64,20 @@ class _Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         module.__spec__ = alias.loader_state
 
 
-def installed() -> Api | None:
+def installed() -> Generation | None:
     """Which generation ``import rps`` means in this process; None when it is not ours."""
-    return next((f.api for f in sys.meta_path if isinstance(f, _Finder)), None)
+    return next((f.generation for f in sys.meta_path if isinstance(f, _Finder)), None)
 
 
-def install(api: int = 2, session: Session | None = None) -> None:
-    """Make ``import rps`` mean generation `api` in this process, from the next import on.
+def install(generation: int = 2, session: Session | None = None) -> None:
+    """Make ``import rps`` mean this generation in this process, from the next import on.
 
     Modules of another generation, or of another simulator, that were imported as ``rps`` before
     are forgotten; names that were already taken from them stay what they were.
 
     Parameters
     ----------
-    api
+    generation
         Generation 1 or 2.
     session
         How instances are built from now on; None leaves that as it is.
@@ -87,23 +85,25 @@ def install(api: int = 2, session: Session | None = None) -> None:
     Raises
     ------
     UnknownGenerationError
-        `api` is neither 1 nor 2.
+        It is neither 1 nor 2.
 
     Examples
     --------
     >>> import rps_compat
-    >>> rps_compat.install(api=2)
+    >>> rps_compat.install(generation=2)
     >>> from rps.robotarium import Robotarium
     >>> Robotarium.TIME_STEP
     0.033
     >>> rps_compat.uninstall()
     """
-    if api not in (1, 2):
-        raise UnknownGenerationError(f"api={api!r}: the generations of the API are 1 and 2")
+    if generation not in (1, 2):
+        raise UnknownGenerationError(
+            f"generation={generation!r}: the generations of the API are 1 and 2"
+        )
     if session is not None:
         use(session)
     uninstall()
-    sys.meta_path.insert(0, _Finder(1 if api == 1 else 2))
+    sys.meta_path.insert(0, _Finder(1 if generation == 1 else 2))
     importlib.invalidate_caches()
 
 
@@ -114,8 +114,10 @@ def uninstall() -> None:
         del sys.modules[name]
 
 
-def import_path(api: int) -> Path:
-    """Folder that, on ``PYTHONPATH``, makes ``import rps`` mean generation `api` in any process."""
-    if api not in (1, 2):
-        raise UnknownGenerationError(f"api={api!r}: the generations of the API are 1 and 2")
-    return Path(__file__).parent / "import_paths" / f"generation{api}"
+def import_path(generation: int) -> Path:
+    """Folder that, on ``PYTHONPATH``, makes ``import rps`` mean `generation` in any process."""
+    if generation not in (1, 2):
+        raise UnknownGenerationError(
+            f"generation={generation!r}: the generations of the API are 1 and 2"
+        )
+    return Path(__file__).parent / "import_paths" / f"generation{generation}"

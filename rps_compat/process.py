@@ -12,10 +12,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NoReturn
 
-from rps_compat.ending import end_process, leave
-from rps_compat.run_result import RunResult, summary
 from rps_compat.run_settings import RunSettings
 from rps_compat.runner import run_script
+from rps_compat.running.ending import end_process, leave
+from rps_compat.running.outcome import Outcome, summary
 from rps_compat.surroundings import stdout_on_stderr
 
 
@@ -38,10 +38,10 @@ def run_and_tell(
     with contextlib.ExitStack() as around:
         stdout = around.enter_context(stdout_on_stderr()) if as_json else sys.stdout
 
-        def tell(result: RunResult) -> None:
+        def tell(result: Outcome) -> None:
             print(result.as_json() if as_json else summary(result), file=stdout, flush=True)
 
-        def give_up(result: RunResult) -> NoReturn:
+        def give_up(result: Outcome) -> NoReturn:
             tell(result)
             end_process(result.exit_code)
 

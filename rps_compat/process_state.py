@@ -15,7 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
-from rps_compat.install import Api, install, installed, uninstall
+from rps_compat.generations import Generation
+from rps_compat.install import install, installed, uninstall
 from rps_compat.own_imports import HiddenNames, KeptApart
 from rps_compat.own_imports.whose import is_environments_module
 from rps_compat.scripts.libraries import shadowed_by
@@ -26,34 +27,45 @@ TOLD = 5
 
 @contextlib.contextmanager
 def process_state(
-    script: Path, arguments: Sequence[str], api: Api, seed: int | None
-) -> Iterator[HiddenNames]:
+    script: Path,
+    words: Sequence[str],
+    generation: Generation,
+    seed: int | None,
+    folders: Sequence[str] = (),
+    keeps_apart: bool = True,
+) -> Iterator[HiddenNames | None]:
     """Be where `script` expects to be within the ``with`` block; leave the process as it was.
 
     Parameters
     ----------
     script
         An absolute path.
-    arguments
-        The script's own, without its name.
-    api
+    words
+        The script as it is called, and its own arguments.
+    generation
         Generation of ``rps``.
     seed
         Of Python's and numpy's global generators; None leaves them as they are.
+    folders
+        Further ones to import from.
+    keeps_apart
+        Whether files of the script are kept from hiding the environment's modules; without, the
+        block is given None.
     """
     folder, argv, path = Path.cwd(), sys.argv, list(sys.path)
     bytecode, before, modules = sys.dont_write_bytecode, installed(), set(sys.modules)
     randomness = random.getstate(), np.random.get_state()  # noqa: NPY002
     os.chdir(script.parent)
-    sys.argv = [str(script), *arguments]
-    sys.path.insert(0, str(script.parent))
+    sys.argv = list(words)
+    sys.path[:0] = [str(script.parent), *folders]
     sys.dont_write_bytecode = True  # the script's folder is not ours to write to
-    install(api)
+    install(generation)
     if seed is not None:
         random.seed(seed)
         np.random.seed(seed % 2**32)  # noqa: NPY002 - what scripts draw from
     try:
-        with KeptApart(str(script.parent)) as names:
+        apart = KeptApart(str(script.parent)) if keeps_apart else contextlib.nullcontext()
+        with apart as names:
             yield names
     finally:
         os.chdir(folder)
@@ -73,9 +85,11 @@ def _forget_modules_of(folder: Path, known: set[str]) -> None:
             del sys.modules[name]
 
 
-def hiding_notes(names: HiddenNames) -> list[str]:
+def hiding_notes(names: HiddenNames | None) -> list[str]:
     """Note what of Python's or of the testbed's the script's files hide, where anybody needs it."""
-    found = []
+    found: list[str] = []
+    if names is None:
+        return found
     for name in sorted(names.claimed | names.asked):
         hidden = shadowed_by(name)
         if hidden:

@@ -7,7 +7,7 @@ record of what the report needs, on disk and up to date, because such processes 
 
 import threading
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
@@ -30,6 +30,10 @@ class RunRecorder(Protocol):
 #: Makes the recorder of one instance: where (without ending), for how many robots, and what is
 #: known about the run.
 OpenRecorder = Callable[[Path, int, dict[str, Any]], RunRecorder]
+
+
+#: Is told of a step: seconds of the run, and the arena.
+Listener = Callable[[float, Arena], None]
 
 
 class Record(Protocol):
@@ -89,6 +93,9 @@ class Watch:
         film = self._recording.film
         if film is not None and not film.idle and self._recording.watches[0] is self:
             film.at(time, self.instance)
+        for listen in self._recording.listeners:
+            assert arena is not None
+            listen(time, arena)
 
     def close(self, how: str, reason: str) -> None:
         """Close log and record; a second call changes nothing."""
@@ -137,6 +144,11 @@ class Recording:
         Takes pictures of the first instance.
     name
         What a log of this process is called after.
+    listeners
+        Are told of each step, its time and its arena, after it was recorded; they may end the run
+        by an exception, which comes out of the script's ``step()``.
+    makers
+        Are told of the arena of each new instance.
     open_record
         Opens what is kept of an instance for another process, from its number in this process,
         its number of robots, the path of its log, and whether it is a copy of the parent's.
@@ -150,6 +162,8 @@ class Recording:
     film: Film | None = None
     name: Callable[[], str] = lambda: ""
     open_record: Callable[[int, int, Path | None, bool], Record] | None = None
+    listeners: Sequence[Listener] = ()
+    makers: Sequence[Callable[[Arena], None]] = ()
     over: bool = field(default=False, init=False)
     watches: list[Watch] = field(default_factory=list, init=False)
 
@@ -174,6 +188,8 @@ class Recording:
         watch = instance._arena.recorder
         if isinstance(watch, Watch):
             watch.attach(instance)
+            for tell in self.makers:
+                tell(instance._arena)
 
     @property
     def first(self) -> Any:

@@ -19,6 +19,8 @@ MESSAGES = {
     "actuator": "iteration(s) where the actuator limits of at least one robot were exceeded and "
     "thresholded to their maximum rotational velocity.",
 }
+#: The verdict on a run in which nothing went wrong.
+NO_VIOLATIONS = "no violations"
 #: Faults beyond this many are summed up in the text; the data has them all.
 LISTED = 10
 
@@ -106,7 +108,7 @@ class RunReport:
             )
             if steps
         ]
-        return ", ".join(found) or "no violations"
+        return ", ".join(found) or NO_VIOLATIONS
 
     @property
     def notes(self) -> list[str]:

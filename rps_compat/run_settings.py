@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NoReturn
 
-from rps_compat.arena import Realism
 from rps_compat.errors import RobotariumError, ScriptError
-from rps_compat.install import Api
+from rps_compat.generations import Generation
+from rps_compat.realism import Profile
 from rps_compat.recording import OpenRecorder
-from rps_compat.run_result import RunResult
+from rps_compat.running.outcome import Outcome
 from rps_compat.session import Initial
 
 
@@ -24,7 +24,7 @@ class RunSettings:
 
     Attributes
     ----------
-    api
+    generation
         Generation of the API; None finds it from the script's source.
     headless
         No window, no waiting; None: headless where there is no display.
@@ -32,8 +32,8 @@ class RunSettings:
         How robots come to their initial conditions; see `rps_compat.session.Session`.
     seed
         Seeds Python's and numpy's global generators, and the imperfections.
-    realism
-        Makes the imperfections of one instance; None is the ideal arena.
+    profile
+        The imperfections; None is the ideal arena.
     timeout
         Seconds of real time after which the script is stopped; None lets it run.
     answers
@@ -58,11 +58,11 @@ class RunSettings:
         A time limit that is not positive, a snapshot before the start, or a negative seed.
     """
 
-    api: Api | None = None
+    generation: Generation | None = None
     headless: bool | None = None
     initial: Initial = "published"
     seed: int | None = None
-    realism: Callable[[], Realism | None] | None = None
+    profile: Profile | None = None
     timeout: float | None = None
     answers: Sequence[str] = ()
     out: Path | None = None
@@ -70,7 +70,7 @@ class RunSettings:
     video: Path | None = None
     recorder: OpenRecorder | None = None
     tell: Callable[[str], None] | None = None
-    end_process: Callable[[RunResult], NoReturn] | None = None
+    end_process: Callable[[Outcome], NoReturn] | None = None
 
     def __post_init__(self) -> None:
         if self.timeout is not None and not self.timeout > 0:

@@ -101,12 +101,19 @@ def stdout_on_stderr() -> Iterator[TextIO]:
 
 
 @contextlib.contextmanager
-def answering(answers: Sequence[str]) -> Iterator[None]:
-    """Answer ``input()`` from `answers`, then with empty lines; show what was asked."""
+def answering(answers: Sequence[str], told: Callable[[], None] | None = None) -> Iterator[None]:
+    """Answer ``input()`` from `answers`, then with empty lines; show what was asked.
+
+    `told`, if given, is told of each question that has no answer.
+    """
     left, asked = iter(answers), builtins.input
 
     def answer(prompt: object = "", /) -> str:
-        reply = next(left, "")
+        reply = next(left, None)
+        if reply is None:
+            reply = ""
+            if told is not None:
+                told()
         print(f"{prompt}{reply}")
         return reply
 

@@ -63,7 +63,7 @@ def refuse_new_arguments(constructor: Callable[_Arguments, None]) -> Callable[_A
             if name in NEW_ARGUMENTS:
                 raise WrongArgumentError(
                     f"Robotarium of generation 1 has no argument {name!r}: that is generation 2's: "
-                    "run with --api 2, or rps_compat.install(api=2)"
+                    "run with --generation 2, or rps_compat.install(generation=2)"
                 )
         constructor(*args, **kwargs)
 

@@ -146,7 +146,7 @@ def test_realism_stands_between_command_and_motion_and_between_pose_and_measurem
 def test_sessions_do_not_leak():
     import rps_compat
 
-    rps_compat.install(api=1)
+    rps_compat.install(generation=1)
     try:
         from rps.robotarium import Robotarium
 

@@ -4,6 +4,7 @@ import ast
 import hashlib
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -11,17 +12,15 @@ from pathlib import Path
 import pytest
 
 from posflock_robotarium.flocking.errors import OutputError
-from posflock_robotarium.submission import bundle as bundling
-from posflock_robotarium.submission.bundle import (
-    INSTRUCTIONS,
+from posflock_robotarium.submission.bundle import as_package, bundle
+from posflock_robotarium.submission.instructions import INSTRUCTIONS
+from posflock_robotarium.submission.interpreters import installed_pythons
+from posflock_robotarium.submission.manifest import (
     MANIFEST,
     BundleError,
-    as_package,
-    bundle,
     check_manifest,
-    main_file,
+    read_manifest,
 )
-from posflock_robotarium.submission.interpreters import installed_pythons
 from rps_compat import testbed
 from rps_compat.scripts import import_graph
 
@@ -82,7 +81,7 @@ def test_a_bundle_is_flat_and_complete(script, tmp_path):
     text = (tmp_path / "up" / INSTRUCTIONS).read_text()
     assert "| Number of robots | 3 |" in text
     assert "300 s" in text
-    assert main_file(tmp_path / "up") == "main_script.py"
+    assert read_manifest(tmp_path / "up").main == "main_script.py"
 
 
 @pytest.mark.parametrize("version", [(3, minor) for minor in range(8, 14)])
@@ -105,16 +104,37 @@ def test_the_same_input_gives_the_same_bytes(script, tmp_path):
 def test_the_manifest_is_sha256sums_and_finds_changes(script, tmp_path):
     up = tmp_path / "up"
     bundle(script, up)
-    for line in (up / MANIFEST).read_text().splitlines():
+    head, *sums = (up / MANIFEST).read_text().splitlines()
+    assert head.startswith("# ")  # a comment to sha256sum
+    for line in sums:
         digest, name = line.split("  ")
         assert hashlib.sha256((up / name).read_bytes()).hexdigest() == digest
-    assert set(check_manifest(up)) == NAMES
+    assert set(check_manifest(up).files) == NAMES
     (up / "helper.py").write_text("NAME = 'other'\n")
     with pytest.raises(BundleError, match=r"helper\.py was changed"):
         check_manifest(up)
     (up / "helper.py").unlink()
     with pytest.raises(BundleError, match="missing"):
         check_manifest(up)
+
+
+def test_the_manifest_reads_back_as_it_was_written(script, tmp_path):
+    ready = bundle(script, tmp_path / "up", robots=3, run_seconds=100.0)
+    assert read_manifest(tmp_path / "up") == ready.manifest
+    assert (ready.manifest.robots, ready.manifest.duration) == (3, ready.duration)
+
+
+@pytest.mark.skipif(shutil.which("sha256sum") is None, reason="there is no sha256sum here")
+def test_sha256sum_reads_the_manifest(script, tmp_path):
+    bundle(script, tmp_path / "up")
+    subprocess.run(["sha256sum", "--strict", "-c", MANIFEST], cwd=tmp_path / "up", check=True)
+
+
+@pytest.mark.parametrize("text", ["", "x", "# {}", '# {"schema": "posflock bundle 0"}', "# []"])
+def test_a_manifest_of_another_format_is_refused(text, tmp_path):
+    (tmp_path / MANIFEST).write_text(text + "\n")
+    with pytest.raises(BundleError, match="make the bundle again"):
+        read_manifest(tmp_path)
 
 
 def test_an_earlier_bundle_is_replaced_and_nothing_else(script, tmp_path):
@@ -220,7 +240,7 @@ def test_the_experiment_goes_with_what_it_needs_and_no_more(tmp_path):
     assert {name for name in ready.files if name.startswith("solve_")} == {
         "solve_nnls.py", "solve_cvxopt.py"
     }  # fmt: skip
-    assert bundling.main_file(tmp_path / "up") == EXPERIMENT.name
+    assert read_manifest(tmp_path / "up").main == EXPERIMENT.name
 
 
 def test_certificates_lie_flat_with_the_packages_inside_and_work(tmp_path):

@@ -48,7 +48,13 @@ def run(tmp_path):
         home.mkdir(exist_ok=True)
         for name, content in {"common": COMMON, "script": text, **files}.items():
             (home / f"{name}.py").write_text(content)
-        command = [Path(sys.executable).with_name("posflock"), "run", "--headless", "--api", "2"]
+        command = [
+            Path(sys.executable).with_name("posflock"),
+            "run",
+            "--headless",
+            "--generation",
+            "2",
+        ]
         command += ["-o", tmp_path / "out", *options, home / "script.py", *arguments]
         done = subprocess.run(command, cwd=home, capture_output=True, text=True, check=False)
         data = json.loads((tmp_path / "out" / "report.json").read_text())
@@ -321,16 +327,23 @@ def test_what_cannot_be_handed_on_is_refused_where_it_is_needed(tmp_path):
         "    print(subprocess.run([sys.executable, '-c', code], capture_output=True).stderr)\n",
     )
     told = []
-    settings = RunSettings(headless=True, api=2, realism=lambda: told.append("made"))
+
+    def open_log(path, robots, about):
+        told.append(robots)
+        return open_pose_log(path, robots, about)
+
+    settings = RunSettings(
+        headless=True, generation=2, recorder=open_log, out=tmp_path / "out", seed=1
+    )
     import contextlib
     import io
 
     with contextlib.redirect_stdout(io.StringIO()) as said:
         result = run_script(script, (), settings)
     assert result.ended == "finished"
-    assert told == ["made"], "the script's own process has the imperfections"
+    assert told == [2], "the script's own process has its log"
     assert ChildError.__name__ in said.getvalue()
-    assert "give RunSettings functions that stand in a module" in said.getvalue()
+    assert "give RunSettings a recorder that stands in a module" in said.getvalue()
     assert [report.process for report in result.reports] == [""]
 
 
@@ -340,7 +353,7 @@ def test_the_environment_is_left_as_it_was(tmp_path, monkeypatch):
         tmp_path,
         f"import os\nprint(os.environ['PYTHONPATH'])\nassert os.environ['{VARIABLE}']\n",
     )
-    result = run_script(script, (), RunSettings(headless=True, api=1))
+    result = run_script(script, (), RunSettings(headless=True, generation=1))
     assert result.ended == "finished", result.reason
     assert os.environ["PYTHONPATH"] == "somewhere"
     assert VARIABLE not in os.environ

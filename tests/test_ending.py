@@ -58,7 +58,7 @@ def command(script, tmp_path):
 
 
 def run(path, **settings):
-    return run_script(path, (), RunSettings(headless=True, api=2, **settings))
+    return run_script(path, (), RunSettings(headless=True, generation=2, **settings))
 
 
 def test_threads_are_waited_for_in_simulated_time(script, capsys):
@@ -116,7 +116,7 @@ FOR_EVER = {
 def test_who_waits_for_ever_is_told_where(command, name):
     body, told = FOR_EVER[name]
     done, result, _ = command(body)
-    assert (done.returncode, result["ended"]) == (3, "stuck")
+    assert (done.returncode, result["ended"]) == (3, "hung")
     assert result["reason"].startswith("waits for ever: ")
     assert told in result["reason"]
     assert result["reports"][0]["steps"] == 1
@@ -161,10 +161,10 @@ ENDLESS = {
 def test_the_limit_holds(command, tmp_path, name):
     done, result, seconds = command(ENDLESS[name], limit=1)
     assert done.returncode == 124, done.stderr
-    assert (result["ended"], result["exit_code"]) == ("timeout", 124)
+    assert (result["ended"], result["exit_code"]) == ("timed out", 124)
     assert "time limit of 1 s" in result["reason"]
     assert seconds < 60
-    assert json.loads((tmp_path / "out" / "report.json").read_text())["ended"] == "timeout"
+    assert json.loads((tmp_path / "out" / "report.json").read_text())["ended"] == "timed out"
     log = json.loads((tmp_path / "out" / "poses.json").read_text())["ended"]
     assert log["how"] == "interrupted"
     assert log["rows"] >= 1
@@ -187,14 +187,14 @@ def test_the_limit_holds_where_python_itself_is_held(script, monkeypatch):
 
 def test_the_simulator_alone_has_the_same_command(command):
     done, result, _ = command(ENDLESS["a thread that drives"], limit=1, module="rps_compat")
-    assert (done.returncode, result["ended"]) == (124, "timeout")
+    assert (done.returncode, result["ended"]) == (124, "timed out")
 
 
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
 def test_threads_left_behind_end_with_their_next_step(script):
     body = ENDLESS["a thread that drives"].replace("target=f", "target=f, name='left'")
     result = run(script(body), timeout=0.5)
-    assert result.ended == "timeout"
+    assert result.ended == "timed out"
     end = time.monotonic() + 20
     while any(thread.name == "left" for thread in threading.enumerate()):
         assert time.monotonic() < end

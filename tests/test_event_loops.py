@@ -32,7 +32,7 @@ def run(tmp_path, capsys):
     def run(body):
         script = tmp_path / "s.py"
         script.write_text(START + body + "\nprint('seen', len(seen), round(time.monotonic(), 2))\n")
-        result = run_script(script, (), RunSettings(headless=True, api=2, timeout=60))
+        result = run_script(script, (), RunSettings(headless=True, generation=2, timeout=60))
         out, err = capsys.readouterr()
         return result, out + err
 
@@ -153,11 +153,11 @@ def test_a_robotarium_that_never_steps_is_told(run, body):
 def test_the_drive_to_the_start_is_no_step_of_the_script(tmp_path):
     script = tmp_path / "s.py"
     script.write_text(START.replace("skip_initialization=True", "skip_initialization=False"))
-    result = run_script(script, (), RunSettings(headless=True, api=2))
+    result = run_script(script, (), RunSettings(headless=True, generation=2))
     assert result.reports[0].steps > 10
     assert result.ended == "idle"
     script.write_text(script.read_text() + "drive()")
-    assert run_script(script, (), RunSettings(headless=True, api=2)).ended == "finished"
+    assert run_script(script, (), RunSettings(headless=True, generation=2)).ended == "finished"
 
 
 def test_without_timers_a_window_costs_no_time(run):

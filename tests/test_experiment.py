@@ -66,18 +66,18 @@ def test_another_process_writes_the_same_bytes(short_run, tmp_path):
         ).read_bytes(), name
 
 
-@pytest.mark.parametrize("api", [1, 2])
-def test_it_runs_on_either_generation_of_the_api(api, tmp_path, short_run):
+@pytest.mark.parametrize("generation", [1, 2])
+def test_it_runs_on_either_generation_of_the_api(generation, tmp_path, short_run):
     """`rps` is there, as on the testbed: our stand-in is not asked for."""
     paths = subprocess.run(
-        [sys.executable, "-m", "rps_compat", "path", "--api", str(api)],
+        [sys.executable, "-m", "rps_compat", "path", "--generation", str(generation)],
         cwd=ROOT, capture_output=True, text=True, check=True,
     ).stdout.strip()  # fmt: skip
     env = {"PYTHONPATH": os.pathsep.join([paths, str(ROOT)])}
     done = run("--duration", "6", cwd=tmp_path, env=env)
     assert done.returncode == 0, done.stderr
     log = read_pose_log(tmp_path / "nine_robots")
-    assert log.parameters["api_generation"] == api
+    assert log.parameters["api_generation"] == generation
     assert sorted(path.name for path in tmp_path.iterdir()) == [
         "nine_robots.json",
         "nine_robots.npy",
@@ -102,7 +102,7 @@ def test_an_interrupt_inside_step_ends_cleanly(tmp_path):
     interrupting = f"""
 import runpy, sys
 import rps_compat
-rps_compat.install(api=2)
+rps_compat.install(generation=2)
 import rps.robotarium
 step = rps.robotarium.Robotarium.step
 def interrupted(self, calls=[0]):

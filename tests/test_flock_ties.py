@@ -16,12 +16,17 @@ from posflock_robotarium.freespace.neighbour_search import neighbour_pairs
 from posflock_robotarium.freespace.sensing import Sensing, Sensors
 from posflock_robotarium.freespace.simulation import FreeSpace
 from posflock_robotarium.report import Run, analyse
-from posflock_robotarium.verify.judge import judge, recommended_duration
-from posflock_robotarium.verify.trial import Outcome, TrialPlan, Watch
+from posflock_robotarium.verify.judge import judge
+from posflock_robotarium.verify.timing import recommended_duration
 from posflock_robotarium.verify.trials import Ran
 from rps_compat import testbed
 from rps_compat.arena import Arena
+from rps_compat.clock import SimulatedClock
+from rps_compat.report import report_of
+from rps_compat.running.measures import Measures as RunMeasures
+from rps_compat.running.outcome import Ended, Failure, Gap, Outcome, Silence
 from rps_compat.testbed import GTERNAL
+from rps_compat.violations import Violations
 
 #: A lattice of 0.3 m, away from the origin, so that distances round.
 LATTICE = np.stack(np.meshgrid(0.1 + 0.3 * np.arange(4), 0.7 + 0.3 * np.arange(3))).reshape(2, -1)
@@ -128,7 +133,9 @@ def test_robots_on_the_wall_and_wheels_at_their_limit_are_within_the_rules():
 
 
 def outcome(**values):
-    return Outcome("ideal", ended="finished", robots=2, steps=10, finishing_call=True, **values)
+    known = {"reports": (report_of(2, 10, 0.033, Violations()),), "steps": 10, "clock": 0.33}
+    known |= {"finishing_call": True, "time": 0.33}
+    return Outcome(Path("main.py"), 2, Ended.FINISHED, **(known | values))
 
 
 def codes(ideal, drive=None, declared=None):
@@ -138,16 +145,18 @@ def codes(ideal, drive=None, declared=None):
 
 def test_robots_that_start_at_the_advised_distance_are_not_too_close():
     for gap in neighbours_of(testbed.SPACING):
-        initial = {"metres": float(gap), "time": 0.0, "robots": [0, 1]}
+        initial = Gap(float(gap), 0.0, (0, 1))
         assert codes(outcome(initial_gap=initial)) == []
-    closer = {"metres": testbed.SPACING - 1e-6, "time": 0.0, "robots": [0, 1]}
+    closer = Gap(testbed.SPACING - 1e-6, 0.0, (0, 1))
     assert codes(outcome(initial_gap=closer)) == ["close-start"]
 
 
 def test_whether_a_drive_reaches_a_start_too_close_is_not_judged():
-    failed = Outcome("drive", ended="crashed", error={"message": "robots were not there"})
-    close = {"metres": 0.1, "time": 0.0, "robots": [0, 1]}
-    apart = {"metres": 0.3, "time": 0.0, "robots": [0, 1]}
+    failed = Outcome(
+        Path("main.py"), 2, Ended.FAILED, error=Failure("Error", message="robots were not there")
+    )
+    close = Gap(0.1, 0.0, (0, 1))
+    apart = Gap(0.3, 0.0, (0, 1))
     assert codes(outcome(initial_gap=close), failed) == ["close-start"]
     assert codes(outcome(initial_gap=apart), failed) == ["unreachable-start"]
 
@@ -161,13 +170,13 @@ def test_a_run_that_just_fits_fits():
 
 def test_robots_may_be_silent_for_less_than_half_a_second():
     for seconds in neighbours_of(testbed.WATCHDOG):
-        assert codes(outcome(silent={"seconds": float(seconds), "at": 1.0})) == ["watchdog"]
+        assert codes(outcome(silence=Silence(float(seconds), 1.0))) == ["watchdog"]
 
 
 def test_the_smallest_gap_is_that_of_the_first_pair_at_the_first_time():
-    watch = Watch(TrialPlan("ideal", "main.py", ".", "."), None, None)
+    measures = RunMeasures(SimulatedClock())
     square = [[0.1, 0.4, 0.4, 0.1], [0.2, 0.2, 0.5, 0.5], [0.0] * 4]
     for step, poses in enumerate(neighbours_of(square)):
-        watch._measure(0.033 * step, SimpleNamespace(poses=poses, robot=GTERNAL))
-    assert watch.smallest_gap[1:] == (0.0, (0, 1))
-    assert watch.wall_gap[1:] == (0.0, 2)
+        measures.measure(0.033 * step, SimpleNamespace(poses=poses, robot=GTERNAL))
+    assert (measures.smallest_gap.time, measures.smallest_gap.robots) == (0.0, (0, 1))
+    assert (measures.wall_gap.time, measures.wall_gap.robots) == (0.0, (2,))

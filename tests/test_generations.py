@@ -148,7 +148,7 @@ def test_the_idiom_of_the_published_examples_is_generation_2():
 
 
 def test_arguments_of_generation_2_are_answered_by_generation_1():
-    rps_compat.install(api=1)
+    rps_compat.install(generation=1)
     from rps.robotarium import Robotarium
 
     class Env(Robotarium):
@@ -157,7 +157,9 @@ def test_arguments_of_generation_2_are_answered_by_generation_1():
 
     try:
         for make in (lambda: Robotarium(number_of_robots=1, show_obstacles=True), lambda: Env([])):
-            with pytest.raises(WrongGenerationError, match="is generation 2's: run with --api 2"):
+            with pytest.raises(
+                WrongGenerationError, match="is generation 2's: run with --generation 2"
+            ):
                 make()
         # Scripts that try one generation and then the other catch what Python raises there.
         with pytest.raises(TypeError, match="skip_initialization"):

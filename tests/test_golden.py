@@ -48,7 +48,7 @@ ALWAYS = {
 
 @pytest.fixture
 def installed(request):
-    rps_compat.install(api=request.param)
+    rps_compat.install(generation=request.param)
     yield request.param
     rps_compat.uninstall()
 

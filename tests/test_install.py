@@ -18,7 +18,7 @@ def _uninstalled():
 
 
 def test_modules_are_ours_and_have_one_identity():
-    rps_compat.install(api=1)
+    rps_compat.install(generation=1)
     import rps.robotarium
     import rps.utilities.misc as misc
 
@@ -28,10 +28,10 @@ def test_modules_are_ours_and_have_one_identity():
 
 
 def test_generations_can_be_exchanged():
-    rps_compat.install(api=1)
+    rps_compat.install(generation=1)
     from rps.robotarium import Robotarium as First
 
-    rps_compat.install(api=2)
+    rps_compat.install(generation=2)
     from rps.robotarium import Robotarium as Second
 
     assert rps_compat.installed() == 2
@@ -40,20 +40,20 @@ def test_generations_can_be_exchanged():
 
 
 def test_there_are_two_generations():
-    with pytest.raises(UnknownGenerationError, match="api=3"):
-        rps_compat.install(api=3)
+    with pytest.raises(UnknownGenerationError, match="generation=3"):
+        rps_compat.install(generation=3)
     assert rps_compat.installed() is None
 
 
 def test_a_module_that_the_api_does_not_have():
-    rps_compat.install(api=2)
+    rps_compat.install(generation=2)
     with pytest.raises(ModuleNotFoundError, match=r"rps\.utilities\.barrier_certificates2"):
         import rps.utilities.barrier_certificates2  # noqa: F401
 
 
-@pytest.mark.parametrize("api", [1, 2])
-def test_any_python_finds_it_on_pythonpath(api, tmp_path):
-    command = [sys.executable, "-m", "rps_compat", "path", "--api", str(api)]
+@pytest.mark.parametrize("generation", [1, 2])
+def test_any_python_finds_it_on_pythonpath(generation, tmp_path):
+    command = [sys.executable, "-m", "rps_compat", "path", "--generation", str(generation)]
     path = subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
     program = "import rps.utilities.misc, rps.robotarium as r; print(r.Robotarium.__module__)"
     out = subprocess.run(
@@ -64,4 +64,4 @@ def test_any_python_finds_it_on_pythonpath(api, tmp_path):
         text=True,
         check=True,
     ).stdout
-    assert out.strip() == f"rps_compat.v{api}.robotarium"
+    assert out.strip() == f"rps_compat.v{generation}.robotarium"

@@ -66,7 +66,7 @@ def run(way, folder, script="script.py"):
     """
     if way == "run":
         told, said = [], io.StringIO()
-        settings = RunSettings(headless=True, api=1, tell=told.append)
+        settings = RunSettings(headless=True, generation=1, tell=told.append)
         with contextlib.redirect_stdout(said):
             result = run_script(folder / script, (), settings)
         assert told == list(result.notes)[: len(told)]
@@ -74,7 +74,13 @@ def run(way, folder, script="script.py"):
     environment = {**os.environ, "MPLBACKEND": "Agg"}
     command = [sys.executable, script]
     if way == "command":
-        command = [Path(sys.executable).with_name("posflock"), "run", "--headless", "--api", "1"]
+        command = [
+            Path(sys.executable).with_name("posflock"),
+            "run",
+            "--headless",
+            "--generation",
+            "1",
+        ]
         command += ["-o", folder.parent / "out", folder / script]
     else:
         environment["PYTHONPATH"] = str(rps_compat.import_path(1))

@@ -11,9 +11,13 @@ import pytest
 
 from posflock_robotarium.flocking.errors import OutputError, ParameterError
 from posflock_robotarium.logs.readers import read_pose_log
-from posflock_robotarium.submission import rehearse as rehearsing
-from posflock_robotarium.submission.bundle import BundleError, bundle
-from posflock_robotarium.submission.rehearse import Environment, RehearsalError, rehearse, report_on
+from posflock_robotarium.submission import environment
+from posflock_robotarium.submission.bundle import bundle
+from posflock_robotarium.submission.environment import Environment, RehearsalError
+from posflock_robotarium.submission.manifest import BundleError
+from posflock_robotarium.submission.private_simulator import PRIVATE, lay_simulator
+from posflock_robotarium.submission.rehearse import rehearse, report_on
+from posflock_robotarium.submission.returned_files import FileState
 from posflock_robotarium.verify.static import check_source
 from posflock_robotarium.verify.trials import Limits, TrialRoom
 from rps_compat.scripts import libraries
@@ -49,17 +53,29 @@ def laid(tmp_path, text=SCRIPT):
 
 def test_a_bundle_runs_as_main_and_its_files_come_back(tmp_path):
     done = rehearse(laid(tmp_path), tmp_path / "back", environment=HERE)
-    assert (done.ended, done.steps, done.robots) == ("finished", 90, 2)
+    assert (done.outcome.ended, done.outcome.steps) == ("finished", 90)
+    assert done.outcome.report.number_of_robots == 2
     assert done.passed
     assert np.load(tmp_path / "back" / "poses.npy").shape == (90, 3, 2)
     assert "main is ['main.py'] __main__" in (tmp_path / "back" / "log.txt").read_text()
     assert {path.name for path in (tmp_path / "back").iterdir()} == {"poses.npy", "log.txt"}
+    assert done.files["poses.npy"].state is FileState.READABLE
+
+
+def test_files_that_cannot_be_opened_do_not_pass(tmp_path):
+    up = laid(tmp_path, SCRIPT + "open('torn.npz', 'w').write('not an archive')\n")
+    done = rehearse(up, tmp_path / "back", environment=HERE)
+    assert done.outcome.ended == "finished"
+    assert done.files["torn.npz"].state is FileState.UNREADABLE
+    assert not done.passed
 
 
 def test_the_declared_duration_interrupts_the_run(tmp_path):
     done = rehearse(laid(tmp_path), tmp_path / "back", duration=1.0, environment=HERE)
-    assert done.ended == "interrupted"
-    assert done.seconds == pytest.approx(1.0, abs=0.05)
+    assert done.outcome.ended == "over time"
+    assert done.passed
+    assert done.reason == ""
+    assert done.outcome.time == pytest.approx(1.0, abs=0.05)
     assert len(np.load(tmp_path / "back" / "poses.npy")) == 32
 
 
@@ -74,7 +90,7 @@ def test_the_same_seed_gives_the_same_files(tmp_path):
 def test_a_crash_comes_back_with_its_traceback(tmp_path):
     up = laid(tmp_path, SCRIPT.replace("r.debug()", "1 / 0"))
     done = rehearse(up, tmp_path / "back", environment=HERE)
-    assert done.ended == "crashed"
+    assert done.outcome.ended == "failed"
     assert not done.passed
     assert done.reason == "main.py, line 16: ZeroDivisionError: division by zero"
     assert "ZeroDivisionError" in (tmp_path / "back" / "log.txt").read_text()
@@ -115,7 +131,7 @@ def test_a_module_that_the_testbeds_python_cannot_read_is_named(tmp_path):
 def test_there_is_no_network(tmp_path):
     text = SCRIPT + "import socket\nsocket.create_connection(('127.0.0.1', 9), timeout=1)\n"
     done = rehearse(laid(tmp_path, text), tmp_path / "back", environment=HERE)
-    assert done.ended == "crashed"
+    assert done.outcome.ended == "failed"
     assert "there is no network" in (tmp_path / "back" / "log.txt").read_text()
 
 
@@ -124,7 +140,8 @@ def test_a_script_that_hangs_is_ended(tmp_path):
         "print(", "while True:\n    pass\nprint("
     )
     done = rehearse(laid(tmp_path, text), tmp_path / "back", timeout=6.0, environment=HERE)
-    assert done.ended in ("hung", "interrupted")
+    assert done.outcome.ended in ("hung", "timed out")
+    assert not done.passed
     assert (tmp_path / "back" / "poses.npy").exists()
 
 
@@ -142,25 +159,25 @@ def test_bad_requests_are_refused(tmp_path):
 
 def test_without_the_testbeds_python_the_nearest_is_taken_and_said(monkeypatch):
     elsewhere = {(3, 9): Path("nine"), (3, 12): Path("twelve"), (3, 13): Path("thirteen")}
-    monkeypatch.setattr(rehearsing, "installed_pythons", lambda: elsewhere)
-    python, note = rehearsing._nearest_python()
+    monkeypatch.setattr(environment, "installed_pythons", lambda: elsewhere)
+    python, note = environment._nearest_python()
     assert python == Path("twelve")
     assert "3.10, which is not installed" in note
-    monkeypatch.setattr(rehearsing, "installed_pythons", lambda: {(3, 10): Path("ten")})
-    assert rehearsing._nearest_python() == (Path("ten"), "")
+    monkeypatch.setattr(environment, "installed_pythons", lambda: {(3, 10): Path("ten")})
+    assert environment._nearest_python() == (Path("ten"), "")
 
 
 def test_an_environment_that_cannot_be_built_says_why_and_leaves_nothing(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(rehearsing, "_nearest_python", lambda: (Path("/bin/false"), ""))
+    monkeypatch.setattr(environment, "_nearest_python", lambda: (Path("/bin/false"), ""))
     with pytest.raises(RehearsalError, match="cannot build"):
-        rehearsing.build_environment(["numpy"])
+        environment.build_environment(["numpy"])
     assert not list(tmp_path.rglob("ready"))
 
 
 def test_the_simulator_goes_by_a_private_name(tmp_path):
-    rehearsing.lay_simulator(tmp_path)
-    assert {path.name for path in tmp_path.iterdir()} == set(rehearsing._PRIVATE.values())
+    lay_simulator(tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == set(PRIVATE.values())
     text = "\n".join(path.read_text() for path in tmp_path.rglob("*.py"))
     assert not re.findall(r"^\s*(?:from|import) (?:rps_compat|barrier_certificates)\b", text, re.M)
 
@@ -210,7 +227,7 @@ def test_ends_although_the_script_left_processes_running_that_hold_its_output(tm
     )
     begun = time.monotonic()
     done = rehearse(laid(tmp_path, text), tmp_path / "back", environment=HERE)
-    assert done.ended == "finished"
+    assert done.outcome.ended == "finished"
     assert time.monotonic() - begun < 15
     left = Path("/proc") / (tmp_path / "back/left.txt").read_text() / "cmdline"
     assert not left.exists() or not left.read_bytes()  # gone, or nothing but a table entry
@@ -225,5 +242,5 @@ def test_refuses_options_outside_their_range(tmp_path, wrong):
 def test_a_script_that_ends_its_process_is_not_said_to_hang(tmp_path):
     text = SCRIPT + "import os\nos._exit(0)\n"
     done = rehearse(laid(tmp_path, text), tmp_path / "back", environment=HERE)
-    assert (done.ended, done.passed) == ("exited", False)
+    assert (done.outcome.ended, done.passed) == ("died", False)
     assert "ended itself, exit code 0" in done.reason

@@ -20,8 +20,16 @@ from rps_compat.v2.examples.state_estimation.extended_kalman_filter import uni_e
 LISTING = json.loads(
     (Path(__file__).parent / "golden" / "package_listing.json").read_text(encoding="utf-8")
 )
-MODULES = [(int(api), name) for api, published in LISTING.items() for name in published["modules"]]
-SCRIPTS = [(int(api), name) for api, published in LISTING.items() for name in published["scripts"]]
+MODULES = [
+    (int(generation), name)
+    for generation, published in LISTING.items()
+    for name in published["modules"]
+]
+SCRIPTS = [
+    (int(generation), name)
+    for generation, published in LISTING.items()
+    for name in published["scripts"]
+]
 
 
 @pytest.fixture
@@ -40,11 +48,11 @@ def parameters(function):
     return found
 
 
-@pytest.mark.parametrize(("api", "name"), MODULES)
-def test_every_published_module_is_there_with_its_names(installed, api, name):
-    installed(api=api)
+@pytest.mark.parametrize(("generation", "name"), MODULES)
+def test_every_published_module_is_there_with_its_names(installed, generation, name):
+    installed(generation=generation)
     module = importlib.import_module(name)
-    for public, published in LISTING[str(api)]["modules"][name].items():
+    for public, published in LISTING[str(generation)]["modules"][name].items():
         ours = getattr(module, public)
         both = {public: (ours, published)}
         if isinstance(published, dict):
@@ -60,9 +68,9 @@ def test_optional_noise_of_the_filter_is_none_by_default():
             assert [p.default for p in found.values() if p.name.startswith("R_")][-1] is None
 
 
-@pytest.mark.parametrize(("api", "name"), SCRIPTS)
-def test_an_example_is_no_module_and_says_why(installed, api, name):
-    installed(api=api)
+@pytest.mark.parametrize(("generation", "name"), SCRIPTS)
+def test_an_example_is_no_module_and_says_why(installed, generation, name):
+    installed(generation=generation)
     with pytest.raises(ImportError, match="scripts, which run when they are imported"):
         importlib.import_module(name)
     with pytest.raises(ModuleNotFoundError, match=r"No module named 'rps\.utilities\.nothing'"):
@@ -191,7 +199,7 @@ def test_the_filter_refuses_in_words(call, message):
 @pytest.fixture
 def robots(installed):
     """Return a function that makes two robots of generation 1."""
-    installed(api=1)
+    installed(generation=1)
     from rps.robotarium import Robotarium
 
     def make(**options):

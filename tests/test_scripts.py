@@ -15,9 +15,9 @@ from posflock_robotarium.flocking.errors import PosflockError
 from posflock_robotarium.logs.readers import read_pose_log
 from posflock_robotarium.logs.recorder import open_pose_log
 from rps_compat.errors import ScriptError
-from rps_compat.run_result import summary
 from rps_compat.run_settings import RunSettings, SettingsError
 from rps_compat.runner import run_script
+from rps_compat.running.outcome import summary
 
 SCRIPTS = Path(__file__).parent / "scripts"
 
@@ -65,9 +65,9 @@ FINISHING = {
 
 @pytest.mark.parametrize("name", FINISHING)
 def test_script_finishes(run, name):
-    api, said = FINISHING[name]
+    generation, said = FINISHING[name]
     result, out, err, log = run(name)
-    assert (result.ended, result.exit_code, result.api) == ("finished", 0, api), err
+    assert (result.ended, result.exit_code, result.generation) == ("finished", 0, generation), err
     assert said in out
     assert len(log.t) == result.reports[0].steps
     assert np.isfinite(log.poses).all()
@@ -88,7 +88,7 @@ def test_clock_and_input_do_not_wait(run):
 
 def test_endless_script_is_stopped_and_its_log_kept(run):
     result, _, _, log = run("runs_forever.py", timeout=1.0)
-    assert (result.ended, result.exit_code) == ("timeout", 124)
+    assert (result.ended, result.exit_code) == ("timed out", 124)
     assert "time limit of 1 s" in summary(result)
     # The step in which it was stopped may have been begun and not ended.
     assert len(log.t) - result.reports[0].steps in (0, 1)
@@ -98,7 +98,7 @@ def test_endless_script_is_stopped_and_its_log_kept(run):
 
 
 def test_wrong_name_gets_the_right_one(run):
-    result, _, err, log = run("wrong_name.py", api=1)
+    result, _, err, log = run("wrong_name.py", generation=1)
     assert (result.ended, result.exit_code) == ("failed", 1)
     assert "generation 1 calls this call_at_scripts_end()" in result.reason
     assert "runner.py" not in err, "the traceback begins in the script"
@@ -128,7 +128,7 @@ def test_names_of_the_other_generation_are_told_before_the_run(tmp_path):
     data = json.loads((tmp_path / "out" / "report.json").read_text())
     assert data["notes"] == [f"{note} debug()"]
     told = []
-    run_script(script, (), RunSettings(headless=True, api=1, tell=told.append))
+    run_script(script, (), RunSettings(headless=True, generation=1, tell=told.append))
     assert [note.split(":")[0] for note in told] == ["line 2", "line 3"]
 
 
@@ -141,7 +141,7 @@ def test_a_generation_that_nothing_tells_is_said_to_be_assumed(run):
     result, _, _, _ = run("tells_no_generation.py", tell=told.append)
     assert "nothing in the script tells its generation: running as generation 2" in told[0]
     assert told == list(result.notes)
-    result, _, _, _ = run("tells_no_generation.py", api=1)
+    result, _, _, _ = run("tells_no_generation.py", generation=1)
     assert result.notes == ()
 
 
@@ -230,7 +230,7 @@ def test_what_the_testbed_does_not_take_is_noted(tmp_path):
 def test_a_script_without_a_robotarium_is_noted(tmp_path):
     script = tmp_path / "s.py"
     script.write_text("print('hello')")
-    result = run_script(script, (), RunSettings(headless=True, api=2, out=tmp_path / "out"))
+    result = run_script(script, (), RunSettings(headless=True, generation=2, out=tmp_path / "out"))
     assert result.exit_code == 0
     assert "no Robotarium was made" in result.notes[0]
     assert summary(result).count("no Robotarium was made") == 1
@@ -265,9 +265,9 @@ def test_film_has_a_frame_for_every_moment(run, tmp_path, ending):
 
 
 @pytest.mark.parametrize("initial", ["exact", "arrive", "drive"])
-@pytest.mark.parametrize("api", [1, 2])
-def test_initial_conditions_can_be_chosen(run, api, initial):
-    result, _, _, log = run("either_generation.py", initial=initial, api=api)
+@pytest.mark.parametrize("generation", [1, 2])
+def test_initial_conditions_can_be_chosen(run, generation, initial):
+    result, _, _, log = run("either_generation.py", initial=initial, generation=generation)
     target = np.array([[-0.5, 0.5], [0, 0], [0, 0.0]])
     start = log.poses[-20]
     error = np.hypot(*(start - target)[:2]).max()

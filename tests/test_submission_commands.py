@@ -8,9 +8,10 @@ import pytest
 from typer.testing import CliRunner
 
 from benchmarks.calibration import simulated_testbed
-from posflock_robotarium.calibration import write_log
 from posflock_robotarium.cli import app
 from posflock_robotarium.flocking.errors import LogError, PosflockError
+from posflock_robotarium.logs.convert import write_pose_log
+from posflock_robotarium.verify import EFFECT_TRIALS, TRIALS
 from rps_compat.profiles import load_profile
 
 ZOO = Path(__file__).parent / "zoo"
@@ -38,14 +39,14 @@ def test_exit_codes_say_the_verdict(script, code, verdict, tmp_path):
 @pytest.mark.parametrize(
     ("declared", "words"),
     [
-        (0, "declare 200 s"),
-        (300, "declare 200 s; you will declare 300 s, which is enough"),
-        (150, "declare 200 s; you will declare 150 s, which may be too short"),
+        ((), "declare 200 s"),
+        (("-d", 300), "declare 200 s; you will declare 300 s, which is enough"),
+        (("-d", 150), "declare 200 s; you will declare 150 s, which may be too short"),
     ],
 )
 def test_the_duration_to_declare_is_said_in_whole_sentences(declared, words):
     script = ZOO / "sound/two_robots_forward.py"
-    said = run("verify", script, "-n", 1, "-d", declared).stdout
+    said = run("verify", script, "-n", 1, *declared).stdout
     assert " ".join(said.split()).count("1 trial under") == 1
     (line,) = [line for line in said.splitlines() if line.strip().startswith("duration ")]
     assert line.endswith(f"(median 91): {words}")
@@ -65,6 +66,33 @@ def test_one_imperfection_at_a_time():
     done = run("verify", ZOO / "sound/two_robots_forward.py", "--effect", "lag", "-n", 1, "--json")
     assert [row["effect"] for row in json.loads(done.stdout)] == ["lag", "all"]
     assert done.exit_code == 0
+
+
+@pytest.mark.parametrize(("asked", "runs"), [((), EFFECT_TRIALS), (("--trials", TRIALS), TRIALS)])
+def test_an_imperfection_gets_as_many_trials_as_are_asked_for(asked, runs):
+    script = ZOO / "sound/two_robots_forward.py"
+    done = run("verify", script, "--effect", "lag", "--json", *asked)
+    assert [row["trials"] for row in json.loads(done.stdout)] == [runs, runs]
+
+
+def test_help_says_how_many_trials_there_are_by_default():
+    words = " ".join(run("verify", "--help").stdout.replace("│", " ").split())
+    assert f"Default: {TRIALS}, with --effect {EFFECT_TRIALS} each." in words
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("run", "--api", "2", ZOO / "sound/own_clock.py"),
+        ("run", "--realism", "ideal", ZOO / "sound/own_clock.py"),
+        ("lint", ZOO / "sound/own_clock.py", "--to", "2"),
+        ("run", "--generation", "0", ZOO / "sound/own_clock.py"),
+    ],
+)
+def test_one_thing_has_one_spelling(words):
+    done = run(*words)
+    assert done.exit_code == 2
+    assert "No such option" in done.stderr or "greater than or equal to 1" in done.stderr
 
 
 def test_a_profile_is_printed_as_a_file_to_edit(tmp_path):
@@ -94,7 +122,7 @@ def test_one_file_is_one_file_and_warnings_are_told(tmp_path):
 def test_a_log_becomes_a_profile_and_is_overlaid_with_it(tmp_path):
     log, truth = simulated_testbed(1, robots=3, rows=900)
     log.metadata["neighbour_radius"] = 0.75
-    path = write_log(log, tmp_path / "returned")
+    path = write_pose_log(log, tmp_path / "returned")
     done = run("calibrate", path, "-o", tmp_path / "lab.toml", "--json")
     assert done.exit_code == 0
     found = json.loads(done.stdout)["dead_time"]["value"]

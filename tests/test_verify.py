@@ -23,7 +23,7 @@ from posflock_robotarium.verify.findings import (
     wilson_interval,
 )
 from posflock_robotarium.verify.pages import html, write_report
-from posflock_robotarium.verify.trials import Limits, Nursery
+from posflock_robotarium.verify.trials import ForkServer, Limits
 from rps_compat.errors import ScriptError
 from rps_compat.scripts import libraries
 
@@ -47,27 +47,27 @@ def planted(script):
 
 
 @pytest.fixture(scope="module")
-def nursery():
+def server():
     """Share the process that runs trials: it costs as much to start as a zoo script to run."""
-    with Nursery() as shared:
+    with ForkServer() as shared:
         yield shared
 
 
-def examine(script, trials, nursery):
+def examine(script, trials, server):
     declared = re.search(r"# declared: (\d+)", script.read_text())
     return verify(
         script,
         trials=trials,
         limits=LIMITS,
         declared=float(declared[1]) if declared else None,
-        nursery=nursery,
+        server=server,
     )
 
 
 @pytest.mark.parametrize("script", FAULTY, ids=lambda path: path.stem)
-def test_the_planted_defect_is_named_and_no_other(script, nursery):
+def test_the_planted_defect_is_named_and_no_other(script, server):
     code, line, time = planted(script)
-    report = examine(script, 0, nursery)
+    report = examine(script, 0, server)
     worse = [f for f in report.findings if f.verdict > Verdict.PASS]
     assert [f.code for f in worse] == [code], worse
     (finding,) = worse
@@ -81,16 +81,16 @@ def test_the_planted_defect_is_named_and_no_other(script, nursery):
 
 
 @pytest.mark.parametrize("script", SOUND, ids=lambda path: path.stem)
-def test_sound_scripts_pass(script, nursery):
-    report = examine(script, 1, nursery)
+def test_sound_scripts_pass(script, server):
+    report = examine(script, 1, server)
     assert report.verdict is Verdict.PASS, report.findings
     assert report.exit_code == 0
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("script", SOUND, ids=lambda path: path.stem)
-def test_sound_scripts_pass_on_twenty_seeds(script, nursery):
-    assert examine(script, 20, nursery).verdict is Verdict.PASS
+def test_sound_scripts_pass_on_twenty_seeds(script, server):
+    assert examine(script, 20, server).verdict is Verdict.PASS
 
 
 @pytest.mark.slow
@@ -143,7 +143,7 @@ def _leads_to(link, folder):
     ("fault", "code"),
     [("[0][k // 30]", "crash"), ("open('/nowhere.txt', 'w')", "outside-write")],
 )
-def test_a_fault_of_a_local_module_is_told_with_its_file(tmp_path, nursery, fault, code):
+def test_a_fault_of_a_local_module_is_told_with_its_file(tmp_path, server, fault, code):
     sound = (ZOO / "sound" / "two_robots_forward.py").read_text()
     (tmp_path / "main.py").write_text(
         sound.replace("r.step()", "gadget.work(r)").replace("import", "import gadget\nimport", 1)
@@ -151,23 +151,23 @@ def test_a_fault_of_a_local_module_is_told_with_its_file(tmp_path, nursery, faul
     (tmp_path / "gadget.py").write_text(
         f"k = 0\n\ndef work(r):\n    global k\n    k += 1\n    r.step()\n    {fault}\n"
     )
-    findings = verify(tmp_path / "main.py", trials=0, limits=LIMITS, nursery=nursery).findings
+    findings = verify(tmp_path / "main.py", trials=0, limits=LIMITS, server=server).findings
     assert (findings[0].code, findings[0].file, findings[0].line) == (code, "gadget.py", 7)
 
 
 def test_a_library_that_only_this_machine_lacks_is_no_fault_of_the_script(
-    tmp_path, nursery, monkeypatch
+    tmp_path, server, monkeypatch
 ):
     monkeypatch.setitem(libraries.IMPORT_NAMES, "a_library_there", "a-library-there")
     script = tmp_path / "main.py"
     script.write_text("import a_library_there\nfrom rps.robotarium import Robotarium\n")
-    (finding,) = verify(script, trials=0, limits=LIMITS, nursery=nursery).findings
+    (finding,) = verify(script, trials=0, limits=LIMITS, server=server).findings
     assert (finding.code, finding.verdict, finding.line) == ("internal", Verdict.RISK, 1)
     assert "pip install a-library-there" in finding.advice
 
 
-def test_a_report_is_the_same_data_in_json_and_html(tmp_path, nursery):
-    report = examine(ZOO / "faulty" / "head_on_collision.py", 2, nursery)
+def test_a_report_is_the_same_data_in_json_and_html(tmp_path, server):
+    report = examine(ZOO / "faulty" / "head_on_collision.py", 2, server)
     data, page = write_report(report, tmp_path / "out")
     said = json.loads(data.read_text())
     assert said["schema"] == "posflock verify 1"

@@ -21,7 +21,9 @@ def bundle(
         bool,
         typer.Option(help="Run the script once to learn what to enter for robots and duration."),
     ] = True,
-    max_size: Annotated[float, typer.Option(help="Largest upload in MiB; 0 is no limit.")] = 0.0,
+    max_size: Annotated[
+        float | None, typer.Option(help="Largest upload in MiB. Default: no limit.")
+    ] = None,
     json_only: Annotated[
         bool, typer.Option("--json", help="Print what was written as JSON.")
     ] = False,
@@ -48,7 +50,7 @@ def bundle(
         data=data or [],
         robots=robots,
         run_seconds=seconds,
-        largest=int(max_size * 2**20) if max_size > 0 else None,
+        largest=None if max_size is None else int(max_size * 2**20),
     )
     if json_only:
         import json
@@ -109,6 +111,7 @@ def rehearse(
     """
     from posflock_robotarium.submission.rehearse import rehearse as run
     from posflock_robotarium.verify.findings import count
+    from rps_compat.report import NO_VIOLATIONS
 
     done = run(
         folder,
@@ -128,23 +131,24 @@ def rehearse(
         page = report_on(done)
     if json_only:
         import json
-        from dataclasses import asdict
 
-        said = asdict(done) | {"passed": done.passed, "report": page}
-        typer.echo(json.dumps(said, indent=1, default=str))
+        said = done.as_dict() | {"report": None if page is None else str(page)}
+        typer.echo(json.dumps(said, indent=1))
     else:
         environment = done.environment
         versions = ", ".join(f"{name} {v}" for name, v in environment.libraries.items())
         why = f": {done.reason}" if done.reason else ""
-        typer.echo(f"{done.ended} after {done.seconds:.1f} s, {count(done.steps, 'step')}{why}")
+        outcome = done.outcome
+        after = f" after {outcome.time:.1f} s" if outcome.time is not None else ""
+        steps = f", {count(outcome.steps, 'step')}" if outcome.steps is not None else ""
+        typer.echo(f"{outcome.ended}{after}{steps}{why}")
         typer.echo(f"environment: Python {environment.version}, {versions}; {done.network}")
         if environment.note:
             typer.echo(f"note: {environment.note}")
         for name, found in done.files.items():
             typer.echo(f"  {name}: {found}")
-        for name, number in done.faults.items():
-            if number:
-                typer.echo(f"  {name.replace('_', ' ')}: {number}")
+        if outcome.report is not None and outcome.report.verdict != NO_VIOLATIONS:
+            typer.echo(f"  {outcome.report.verdict}")
         if page is not None:
             typer.echo(f"report: {page}")
         typer.echo(f"what came back is in {done.folder}, with log.txt")

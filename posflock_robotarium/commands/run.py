@@ -9,9 +9,10 @@ import typer
 def run(
     context: typer.Context,
     script: Annotated[Path, typer.Argument(help="The script; what follows it is its own.")],
-    api: Annotated[
-        int, typer.Option(min=0, max=2, help="Generation 1 or 2; 0 finds it in the source.")
-    ] = 0,
+    generation: Annotated[
+        int | None,
+        typer.Option(min=1, max=2, help="Of the API. Default: found in the source."),
+    ] = None,
     headless: Annotated[
         bool | None,
         typer.Option(
@@ -31,7 +32,7 @@ def run(
             help="Seed of Python's and numpy's global generators: on one machine, the same bytes."
         ),
     ] = None,
-    realism: Annotated[
+    profile: Annotated[
         str, typer.Option(help="Imperfections: ideal, gritsbot_x, harsh, or a file profile.toml.")
     ] = "ideal",
     timeout: Annotated[
@@ -68,11 +69,11 @@ def run(
     from rps_compat.run_settings import RunSettings, snapshot_times
 
     settings = RunSettings(
-        api=None if api == 0 else (1 if api == 1 else 2),
+        generation=generation,  # type: ignore[arg-type]  # checked by the option
         headless=headless,
         initial=initial,  # type: ignore[arg-type]  # checked by the session
         seed=seed,
-        realism=load_profile(realism).start,
+        profile=load_profile(profile),
         timeout=timeout,
         answers=answer or (),
         out=out or Path("runs") / script.stem,
@@ -87,16 +88,16 @@ def run(
 
 def lint(
     script: Annotated[Path, typer.Argument(help="A script of generation 1 or 2.")],
-    to: Annotated[
-        int, typer.Option(min=0, max=2, help="2 rewrites the script for generation 2.")
-    ] = 0,
+    generation: Annotated[
+        int | None, typer.Option(min=1, max=2, help="2 rewrites the script for generation 2.")
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option("-o", "--out", help="File for the rewritten script. Default: the terminal."),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the findings as JSON.")] = False,
 ) -> None:
-    """List what has to change before the testbed of today runs a script; change it with --to 2.
+    """List what has to change before the testbed of today runs a script; --generation 2 changes it.
 
     Names of generation 1, defaults that changed, and what numpy 2.2 and Python 3.10 do not have.
     The exit code is 0 when nothing was found, 1 when something is to be changed.
@@ -105,7 +106,7 @@ def lint(
 
         posflock lint old_script.py
 
-        posflock lint old_script.py --to 2 -o new_script.py
+        posflock lint old_script.py --generation 2 -o new_script.py
     """
     import json
     from dataclasses import asdict
@@ -113,21 +114,21 @@ def lint(
     from posflock_robotarium.flocking.errors import OutputError, ParameterError
     from rps_compat.lint import lint_script, rewritten
 
-    if to == 1:
-        raise ParameterError("--to 1: scripts are rewritten for generation 2 only")
+    if generation == 1:
+        raise ParameterError("--generation 1: scripts are rewritten for generation 2 only")
     source, findings = lint_script(script)
     needed = any(finding.needed for finding in findings)
     if as_json:
         typer.echo(json.dumps([asdict(finding) for finding in findings], indent=1))
     else:
         for finding in findings:
-            left = "  [by hand]" if to and finding.by_hand else ""
+            left = "  [by hand]" if generation and finding.by_hand else ""
             name = script.with_name(finding.file) if finding.file else script
-            typer.echo(f"{name}:{finding.line}: {finding.message}{left}", err=bool(to))
+            typer.echo(f"{name}:{finding.line}: {finding.message}{left}", err=bool(generation))
         if not needed:
             clean = "nothing to change for generation 2, numpy 2.2 and Python 3.10"
-            typer.echo(f"{script}: {clean}", err=bool(to))
-    if to:
+            typer.echo(f"{script}: {clean}", err=bool(generation))
+    if generation:
         new = rewritten(source, findings)
         if out is None:
             typer.echo(new, nl=False)

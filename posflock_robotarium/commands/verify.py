@@ -8,16 +8,21 @@ import typer
 
 def verify(
     script: Annotated[Path, typer.Argument(help="The experiment's main file.", show_default=False)],
-    trials: Annotated[int, typer.Option("--trials", "-n", help="Runs with imperfections.")] = 20,
+    trials: Annotated[
+        int | None,
+        typer.Option(
+            "--trials",
+            "-n",
+            help="Runs with imperfections. Default: 20, with --effect 5 each.",
+        ),
+    ] = None,
     profile: Annotated[
         str, typer.Option(help="Imperfections: ideal, gritsbot_x, harsh, or a TOML file.")
     ] = "gritsbot_x",
     duration: Annotated[
-        float,
-        typer.Option(
-            "--duration", "-d", help="Seconds you will declare at submission; 0 is not known yet."
-        ),
-    ] = 0.0,
+        float | None,
+        typer.Option("--duration", "-d", help="Seconds you will declare at submission, if known."),
+    ] = None,
     generation: Annotated[
         int, typer.Option(help="Generation of the API on the testbed, 1 or 2.")
     ] = 2,
@@ -34,7 +39,9 @@ def verify(
             "--effect", help="Instead: run under this imperfection alone; 'each' for each in turn."
         ),
     ] = None,
-    jobs: Annotated[int, typer.Option(help="Trials at a time; 0 is one a processor.")] = 0,
+    jobs: Annotated[
+        int | None, typer.Option(min=1, help="Trials at a time. Default: one a processor.")
+    ] = None,
     stall: Annotated[
         float, typer.Option(help="Seconds without a step after which a trial hangs.")
     ] = 20.0,
@@ -58,7 +65,7 @@ def verify(
     from rich.progress import Progress
 
     from posflock_robotarium.flocking.errors import ParameterError
-    from posflock_robotarium.verify import ablate
+    from posflock_robotarium.verify import EFFECT_TRIALS, TRIALS, ablate
     from posflock_robotarium.verify import verify as run
     from posflock_robotarium.verify.pages import write_report
     from posflock_robotarium.verify.terminal import print_ablation, print_report
@@ -68,7 +75,7 @@ def verify(
         if not value > 0:
             raise ParameterError(f"{name}: expected more than 0, got {value}")
     limits = Limits(
-        jobs=jobs if jobs > 0 else Limits.jobs,
+        jobs=Limits.jobs if jobs is None else jobs,
         stall=stall,
         seconds=timeout,
         memory=int(memory * 2**30),
@@ -87,7 +94,7 @@ def verify(
             rows = ablate(
                 script,
                 effects=named,
-                trials=min(trials, 5) if trials == 20 else trials,
+                trials=EFFECT_TRIALS if trials is None else trials,
                 profile=profile,
                 generation=generation,
                 seed=seed,
@@ -97,10 +104,10 @@ def verify(
         else:
             report = run(
                 script,
-                trials=trials,
+                trials=TRIALS if trials is None else trials,
                 profile=profile,
                 generation=generation,
-                declared=duration or None,
+                declared=duration,
                 seed=seed,
                 limits=limits,
                 tell=tell,

@@ -18,15 +18,19 @@ The same input gives the same bytes.
 from __future__ import annotations
 
 import ast
-import hashlib
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from posflock_robotarium.flocking.errors import OutputError, PosflockError
+from posflock_robotarium.flocking.errors import OutputError
+from posflock_robotarium.submission.instructions import INSTRUCTIONS, instructions
+from posflock_robotarium.submission.manifest import (
+    MANIFEST,
+    BundleError,
+    Manifest,
+    read_manifest,
+)
 from posflock_robotarium.verify.files import files_read
-from posflock_robotarium.verify.findings import count
 from posflock_robotarium.verify.source import Source
 from rps_compat import testbed
 from rps_compat.scripts import import_graph, libraries
@@ -34,18 +38,12 @@ from rps_compat.scripts.program import read_program
 from rps_compat.scripts.source import read_script
 from rps_compat.scripts.uses import uses_in
 
-MANIFEST, INSTRUCTIONS = "MANIFEST", "SUBMIT.md"
-
 _AS_PACKAGE = """\
 # Added by `posflock bundle`: this module is a package whose submodules lie beside it.
 __path__ = [__import__("os").path.dirname(__import__("os").path.abspath(__file__))]
 __package__ = __name__
 __spec__.submodule_search_locations = __path__
 """
-
-
-class BundleError(PosflockError):
-    """The script cannot be laid flat as it is; the message says why, and the way out."""
 
 
 @dataclass(frozen=True)
@@ -82,6 +80,11 @@ class Bundle:
     def size(self) -> int:
         """Bytes to upload."""
         return sum(len(content) for content in self.files.values())
+
+    @property
+    def manifest(self) -> Manifest:
+        """What is to be uploaded, and how it is to be run."""
+        return Manifest.of(self.files, self.main, self.robots, self.duration)
 
 
 def bundle(
@@ -136,7 +139,7 @@ def bundle(
             f"the upload has {total} bytes, but {largest} are allowed; the largest file is"
             f" {max(files, key=lambda name: len(files[name]))}"
         )
-    from posflock_robotarium.verify.judge import recommended_duration
+    from posflock_robotarium.verify.timing import recommended_duration
 
     duration = None if run_seconds is None else recommended_duration(run_seconds)
     warnings = tuple(_warnings(script, found))
@@ -285,17 +288,13 @@ def _add_data(files: dict[str, bytes], path: Path) -> None:
 
 def _write(ready: Bundle) -> None:
     folder = ready.folder
-    manifest = "".join(
-        f"{hashlib.sha256(content).hexdigest()}  {name}\n"
-        for name, content in sorted(ready.files.items())
-    )
     try:
         _clear(folder)
         folder.mkdir(parents=True, exist_ok=True)
         for name, content in ready.files.items():
             (folder / name).write_bytes(content)
-        (folder / MANIFEST).write_text(manifest, encoding="utf-8")
-        (folder / INSTRUCTIONS).write_text(_instructions(ready), encoding="utf-8")
+        (folder / MANIFEST).write_text(ready.manifest.text(), encoding="utf-8")
+        (folder / INSTRUCTIONS).write_text(instructions(ready), encoding="utf-8")
     except OSError as error:
         raise OutputError(f"cannot write the bundle into {folder}: {error}") from error
 
@@ -309,7 +308,7 @@ def _clear(folder: Path) -> None:
         return
     known = {MANIFEST, INSTRUCTIONS}
     if MANIFEST in there:
-        known |= {name for _, name in read_manifest(folder)}
+        known |= set(read_manifest(folder).files)
     strange = there - known - {"__pycache__"}
     if strange or MANIFEST not in there:
         raise OutputError(
@@ -318,86 +317,3 @@ def _clear(folder: Path) -> None:
         )
     for name in known & there:
         (folder / name).unlink()
-
-
-def read_manifest(folder: Path) -> list[tuple[str, str]]:
-    """Return (sha256, name) of every file to upload.
-
-    Raises
-    ------
-    BundleError
-        Where `folder` holds no bundle.
-    """
-    try:
-        lines = (folder / MANIFEST).read_text(encoding="utf-8").splitlines()
-    except OSError as error:
-        raise BundleError(
-            f"{folder}: holds no {MANIFEST}; `posflock bundle SCRIPT -o {folder}` makes a bundle"
-        ) from error
-    return [(line[:64], line[66:]) for line in lines]
-
-
-def check_manifest(folder: Path) -> list[str]:
-    """Return the names of a bundle's files, all of them present and unchanged.
-
-    Raises
-    ------
-    BundleError
-        Where one is missing, or is not the one that was bundled.
-    """
-    entries = read_manifest(folder)
-    for digest, name in entries:
-        try:
-            content = (folder / name).read_bytes()
-        except OSError as error:
-            raise BundleError(f"{folder}: {name} is missing; make the bundle again") from error
-        if hashlib.sha256(content).hexdigest() != digest:
-            raise BundleError(f"{folder}: {name} was changed since; make the bundle again")
-    return [name for _, name in entries]
-
-
-def main_file(folder: Path) -> str:
-    """Return the name of a bundle's main file, as its instructions say."""
-    try:
-        text = (folder / INSTRUCTIONS).read_text(encoding="utf-8")
-    except OSError as error:
-        raise BundleError(f"{folder}: holds no {INSTRUCTIONS}; make the bundle again") from error
-    for line in text.splitlines():
-        if line.startswith("| Main file"):
-            return line.split("`")[1]
-    raise BundleError(f"{folder}: {INSTRUCTIONS} does not say which file is the main one")
-
-
-def _instructions(ready: Bundle) -> str:
-    size = math.ceil(ready.size / 1024)
-    robots = f"{ready.robots}" if ready.robots else "as many as the script asks for"
-    duration = (
-        f"{ready.duration:.0f} s (the run, and the slowest initial drive seen, 192 s)"
-        if ready.duration
-        else f"the run's length and {testbed.INITIAL_DRIVE[2]:.0f} s for the initial drive, at"
-        f" most {testbed.MAX_DURATION:.0f} s"
-    )
-    lines = [
-        f"# Submitting {ready.main}",
-        "",
-        f"Upload every file of this folder except `{INSTRUCTIONS}` and `{MANIFEST}`:"
-        f" {count(len(ready.files), 'file')}, {size} KiB. Do not upload the simulator.",
-        "",
-        *(f"- **Mind** {warning}" for warning in ready.warnings),
-        *([""] if ready.warnings else []),
-        "| field | enter |",
-        "|---|---|",
-        f"| Main file | `{ready.main}` |",
-        f"| Number of robots | {robots} |",
-        f"| Duration | {duration} |",
-        "",
-        f"`sha256sum -c {MANIFEST}` checks the files.",
-        "",
-        "| file | bytes |",
-        "|---|---|",
-        *(f"| `{name}` | {len(content)} |" for name, content in sorted(ready.files.items())),
-    ]
-    if ready.left_out:
-        lines += ["", "Left out, for they need libraries that the testbed has not:", ""]
-        lines += [f"- `{name}` ({library})" for name, library in sorted(ready.left_out.items())]
-    return "\n".join(lines) + "\n"

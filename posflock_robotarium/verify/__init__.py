@@ -14,23 +14,38 @@ from typing import TYPE_CHECKING, Any
 
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.verify import judge, static
+from posflock_robotarium.verify.ablation import EFFECT_TRIALS, Ablation, ablate
+from posflock_robotarium.verify.endings import FATAL
 from posflock_robotarium.verify.findings import (
     Finding,
     Verdict,
     verdict_of,
     wilson_interval,
 )
+from posflock_robotarium.verify.timing import recommended_duration
 from rps_compat import testbed
 from rps_compat.scripts.evidence import evidence_of
 
 if TYPE_CHECKING:
-    from posflock_robotarium.verify.trials import Limits, Nursery, Ran
+    from posflock_robotarium.verify.trials import ForkServer, Limits, Ran
     from rps_compat.realism import Profile
+    from rps_compat.running.outcome import Gap, LoopTimes, Outcome
 
 #: Version of the format of ``verify.json``; see docs/verify.md.
 SCHEMA = "posflock verify 1"
+#: Runs with imperfections where nobody says how many.
+TRIALS = 20
 
-__all__ = ["Ablation", "Finding", "Report", "Verdict", "ablate", "verify"]
+__all__ = [
+    "EFFECT_TRIALS",
+    "TRIALS",
+    "Ablation",
+    "Finding",
+    "Report",
+    "Verdict",
+    "ablate",
+    "verify",
+]
 
 
 @dataclass(frozen=True)
@@ -75,28 +90,30 @@ class Report:
         """Return the numbers that a reader wants even where nothing is wrong."""
         if self.ideal is None or not self.ideal.outcome.steps:
             return {}
-        ideal = self.ideal.outcome
+        ideal, report = self.ideal.outcome, self.ideal.outcome.report
+        if report is None or ideal.clock is None:
+            return {}
         ran = [trial.outcome for trial in self.trials if trial.outcome.steps]
         least, median, most = testbed.INITIAL_DRIVE
         out: dict[str, Any] = {
-            "robots": ideal.robots,
+            "robots": report.number_of_robots,
             "steps": ideal.steps,
             "run_seconds": ideal.clock,
             "initial_drive_seconds": {"least": least, "median": median, "most": most},
             "predicted_seconds": ideal.clock + median,
-            "recommended_duration": judge.recommended_duration(ideal.clock),
-            "loop_milliseconds": {k: 1000 * v for k, v in ideal.loop.items() if k != "at"},
-            "largest_wheel_speed": ideal.largest_wheel,
-            "smallest_gap": {"ideal": ideal.smallest_gap.get("metres")},
-            "smallest_wall_gap": {"ideal": ideal.wall_gap.get("metres")},
+            "recommended_duration": recommended_duration(ideal.clock),
+            "loop_milliseconds": _milliseconds(ideal.loop),
+            "largest_wheel_speed": report.largest_wheel_velocity,
+            "smallest_gap": {"ideal": _metres(ideal.smallest_gap)},
+            "smallest_wall_gap": {"ideal": _metres(ideal.wall_gap)},
         }
         if ran:
             for name, part in (("smallest_gap", "smallest_gap"), ("smallest_wall_gap", "wall_gap")):
-                gaps = [getattr(o, part)["metres"] for o in ran if getattr(o, part)]
+                gaps = [getattr(o, part).metres for o in ran if getattr(o, part)]
                 out[name]["trials"] = min(gaps) if gaps else None
-            for name, kind in (("collision", "collision"), ("boundary", "boundary")):
-                hits = sum(any(event[0] == kind for event in o.events) for o in ran)
-                out[f"{name}_runs"] = {
+            for kind in ("collision", "boundary"):
+                hits = sum(bool(outcome.faults(kind)) for outcome in ran)
+                out[f"{kind}_runs"] = {
                     "trials": len(ran),
                     "hits": hits,
                     "interval": list(wilson_interval(hits, len(ran))),
@@ -114,27 +131,40 @@ class Report:
             "declared": self.declared,
             "findings": [finding.as_dict() for finding in self.findings],
             "figures": self.figures(),
-            "trials": [
-                {
-                    "name": o.name,
-                    "seed": o.seed,
-                    "ended": o.ended,
-                    "steps": o.steps,
-                    "seconds": o.time,
-                    "close_pairs": o.close_pairs,
-                    "outside_steps": o.outside_steps,
-                    "smallest_gap": o.smallest_gap.get("metres"),
-                    "wall_gap": o.wall_gap.get("metres"),
-                }
-                for o in (ran.outcome for ran in [self.ideal, *self.trials] if ran is not None)
-            ],
+            "trials": [_row(ran.outcome) for ran in [self.ideal, *self.trials] if ran is not None],
         }
+
+
+def _row(outcome: Outcome) -> dict[str, Any]:
+    """Return the row of a trial in ``verify.json``."""
+    report = outcome.report
+    return {
+        "name": outcome.name,
+        "seed": outcome.seed,
+        "ended": outcome.ended.value,
+        "steps": outcome.steps,
+        "seconds": outcome.time,
+        "close_pairs": None if report is None else report.pairs_too_close,
+        "outside_steps": None if report is None else report.steps_outside,
+        "smallest_gap": _metres(outcome.smallest_gap),
+        "wall_gap": _metres(outcome.wall_gap),
+    }
+
+
+def _metres(gap: Gap | None) -> float | None:
+    return None if gap is None else gap.metres
+
+
+def _milliseconds(loop: LoopTimes | None) -> dict[str, float]:
+    if loop is None:
+        return {}
+    return {"p50": 1000 * loop.p50, "p99": 1000 * loop.p99, "max": 1000 * loop.longest}
 
 
 def verify(
     script: Path | str,
     *,
-    trials: int = 20,
+    trials: int = TRIALS,
     profile: Profile | str | Path = "gritsbot_x",
     generation: int = 2,
     declared: float | None = None,
@@ -142,7 +172,7 @@ def verify(
     limits: Limits | None = None,
     search: Sequence[Path] = (),
     tell: Callable[[str, int, int], None] | None = None,
-    nursery: Nursery | None = None,
+    server: ForkServer | None = None,
 ) -> Report:
     """Predict whether the testbed takes `script`, runs it, and gives its data back.
 
@@ -166,7 +196,7 @@ def verify(
         Further folders with local modules.
     tell : callable, optional
         Is told of progress: what, done, of how many.
-    nursery : Nursery, optional
+    server : ForkServer, optional
         The process that runs the trials, to share it between calls.
 
     Raises
@@ -199,7 +229,7 @@ def verify(
     if any(finding.code == "generation" for finding in known):
         # Run it under the generation it was written for: there may be more to tell.
         generation = evidence_of(source.uses).generation
-    with running.TrialRoom(source, generation, limits or running.Limits(), nursery) as room:
+    with running.TrialRoom(source, generation, limits or running.Limits(), server) as room:
         found, ideal, ran = _run(room, chosen, trials, declared, seed, known, tell)
     # Runs name the file of every line; a finding does only where that is not the script.
     found = [replace(f, file="") if f.file == script.name else f for f in found]
@@ -236,7 +266,8 @@ def _run(
     total = trials + 4
     counted = room.source.counts_its_steps
     (ideal,) = room.run([room.plan("ideal", longest=longest)], count("ideal run", total))
-    if not ideal.outcome.steps or ideal.outcome.ended in ("crashed", "hung", "memory", "died"):
+    fatal = ideal.outcome.ended in FATAL and not ideal.outcome.left_with_code
+    if not ideal.outcome.steps or ideal.outcome.time is None or fatal:
         found = judge.judge(ideal, [], None, None, None, declared, known, counted)
         return found, ideal, []
     moments = np.random.default_rng([seed, 1]).uniform(0.25, 0.75, 2) * ideal.outcome.time
@@ -267,82 +298,3 @@ def _report(
     return Report(
         script, verdict_of(ordered), ordered, generation, profile, ideal, list(trials), declared
     )
-
-
-@dataclass(frozen=True)
-class Ablation:
-    """How a script fares under one imperfection alone.
-
-    Attributes
-    ----------
-    effect : str
-        Its name; ``all`` for the whole profile.
-    trials, collisions, outside, failed : int
-        Runs; how many had a collision, left the arena, ended badly.
-    gap : float
-        Smallest distance of two centres in any of them, m.
-    """
-
-    effect: str
-    trials: int
-    collisions: int
-    outside: int
-    failed: int
-    gap: float
-
-
-def ablate(
-    script: Path | str,
-    *,
-    effects: Sequence[str] = (),
-    trials: int = 5,
-    profile: Profile | str | Path = "gritsbot_x",
-    generation: int = 2,
-    seed: int = 0,
-    limits: Limits | None = None,
-    tell: Callable[[str, int, int], None] | None = None,
-) -> list[Ablation]:
-    """Run `script` under each imperfection of a profile alone, and under all of them.
-
-    Parameters
-    ----------
-    effects : sequence of str
-        Which; all that the profile has by default.
-
-    The other parameters, and what is raised, are those of :func:`verify`.
-    """
-    from posflock_robotarium.verify import trials as running
-    from rps_compat.profiles import load_profile
-    from rps_compat.realism import Profile
-
-    chosen = profile if isinstance(profile, Profile) else load_profile(profile)
-    _, source = static.check_source(Path(script), generation)
-    if source is None:
-        raise ParameterError(f"{script}: is not valid Python; `posflock verify` says where")
-    cases = [(name, chosen.only(name)) for name in effects or chosen.effects] + [("all", chosen)]
-    evidence = evidence_of(source.uses)
-    generation = evidence.generation if evidence.certain else generation
-    out = []
-    with running.TrialRoom(source, generation, limits or running.Limits()) as room:
-        plans = [
-            room.plan(f"{name}-{k}", case, initial="arrive", seed=seed + k)
-            for name, case in cases
-            for k in range(trials)
-        ]
-        count = iter(range(1, len(plans) + 1))
-        ran = room.run(plans, lambda o: tell(o.name, next(count), len(plans)) if tell else None)
-    for index, (name, _) in enumerate(cases):
-        own = [r.outcome for r in ran[index * trials : (index + 1) * trials]]
-        out.append(
-            Ablation(
-                name,
-                len(own),
-                sum(o.close_pairs > 0 for o in own),
-                sum(o.outside_steps > 0 for o in own),
-                sum(o.ended not in ("finished", "over-time") for o in own),
-                min(
-                    (o.smallest_gap["metres"] for o in own if o.smallest_gap), default=float("nan")
-                ),
-            )
-        )
-    return out

@@ -60,7 +60,7 @@ def html(report: Report) -> str:
 def _strip(report: Report) -> dict[str, Any] | None:
     """Lay the smallest gap of every run on a line, in pixels, with the collision distance."""
     gaps = [
-        (ran.outcome.smallest_gap["metres"], ran.outcome.name, ran.outcome.close_pairs > 0)
+        (ran.outcome.smallest_gap.metres, ran.outcome.name, bool(ran.outcome.faults("collision")))
         for ran in ([report.ideal] if report.ideal else []) + report.trials
         if ran.outcome.smallest_gap
     ]

@@ -19,10 +19,13 @@ import numpy as np
 
 from posflock_robotarium.verify.files import files_read
 from posflock_robotarium.verify.source import Source
-from posflock_robotarium.verify.trial import Outcome, TrialPlan
 from rps_compat import testbed
 from rps_compat.profiles import profile_to_dict
 from rps_compat.realism import Profile
+from rps_compat.running.outcome import Ended, Failure, Outcome
+from rps_compat.running.plan import RunPlan
+from rps_compat.scripts.changes import Kind
+from rps_compat.session import Initial
 
 _PRELOAD = {
     "numpy": ["numpy"],
@@ -86,7 +89,7 @@ class Readable:
     digest: str = ""
 
 
-class Nursery:
+class ForkServer:
     """The process that forks trials; use it in a ``with`` block to have several rooms share it.
 
     It starts with the first request, and again should it have died.
@@ -95,7 +98,7 @@ class Nursery:
     def __init__(self) -> None:
         self._process: subprocess.Popen[str] | None = None
 
-    def __enter__(self) -> Nursery:
+    def __enter__(self) -> ForkServer:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -121,7 +124,7 @@ class Nursery:
         for line in iter(process.stdout.readline, ""):
             if not line.strip():
                 return
-            yield Outcome(**json.loads(line))
+            yield Outcome.from_dict(json.loads(line))
 
     @staticmethod
     def _start() -> subprocess.Popen[str]:
@@ -133,7 +136,7 @@ class Nursery:
             "PYTHONDONTWRITEBYTECODE": "1",
         }
         return subprocess.Popen(
-            [sys.executable, "-m", "posflock_robotarium.verify.nursery"],
+            [sys.executable, "-m", "posflock_robotarium.verify.fork_server"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
@@ -155,48 +158,80 @@ class TrialRoom:
         Of the API to run it under.
     limits : Limits
         What each trial may use.
-    nursery : Nursery, optional
-        Where trials are born; one of its own by default.
+    server : ForkServer, optional
+        Who forks trials; one of its own by default.
     """
 
     def __init__(
-        self, source: Source, generation: int, limits: Limits, nursery: Nursery | None = None
+        self, source: Source, generation: int, limits: Limits, server: ForkServer | None = None
     ) -> None:
         self.source = source
         self.generation = generation
         self.limits = limits
         self._folder = Path(tempfile.mkdtemp(prefix="posflock-verify-"))
-        self._shared = nursery is not None
-        self._nursery = nursery or Nursery()
+        self._shared = server is not None
+        self._server = server or ForkServer()
 
     def __enter__(self) -> TrialRoom:
         return self
 
     def __exit__(self, *_: object) -> None:
         if not self._shared:
-            self._nursery.close()
+            self._server.close()
         shutil.rmtree(self._folder, ignore_errors=True)
 
-    def plan(self, name: str, profile: Profile | None = None, **settings: Any) -> TrialPlan:
-        """Return the plan of a trial, with the script and its files laid into its own folder."""
-        scratch, results = self._folder / name / "scratch", self._folder / name / "results"
+    def plan(
+        self,
+        name: str,
+        profile: Profile | None = None,
+        *,
+        initial: Initial = "exact",
+        seed: int = 0,
+        **moments: Any,
+    ) -> RunPlan:
+        """Return the plan of a trial, with the script and its files laid into its own folder.
+
+        Parameters
+        ----------
+        name : str
+            Of the trial among others.
+        profile : Profile, optional
+            Its imperfections; None for none.
+        initial : str
+            How the robots come to their initial conditions.
+        seed : int
+            Of everything random.
+        moments
+            When it ends, as `RunPlan` has it: longest, interrupt_at, kill_at, only_start.
+        """
+        scratch, watched = self._folder / name / "scratch", self._folder / name / "watched"
         scratch.mkdir(parents=True)
-        results.mkdir()
+        watched.mkdir()
         lay_out(self.source, scratch)
-        return TrialPlan(
+        return RunPlan(
+            script=os.path.join(os.path.realpath(scratch), self.source.path.name),
+            folder=os.path.realpath(scratch),
+            generation=1 if self.generation == 1 else 2,
             name=name,
-            script=self.source.path.name,
-            scratch=str(scratch),
-            results=str(results),
             path=tuple(str(Path(folder).resolve()) for folder in self.source.search),
-            generation=self.generation,
-            profile={} if profile is None or not profile.effects else profile_to_dict(profile),
+            initial=initial,
+            seed=seed,
+            script_seed=seed,
+            profile=None if profile is None or not profile.effects else profile_to_dict(profile),
+            clock="charged",
+            answers=(),
+            # What the testbed's libraries have and newer ones dropped is there, as there.
+            bridges=(Kind.LATER.value,),
+            exit_functions=True,
+            forbidden=("outside-write", "fork", "network"),
+            measures=True,
             memory=self.limits.memory,
-            **settings,
+            watched=str(watched),
+            **({"longest": testbed.MAX_DURATION} | moments),
         )
 
     def run(
-        self, plans: Sequence[TrialPlan], tell: Callable[[Outcome], None] | None = None
+        self, plans: Sequence[RunPlan], tell: Callable[[Outcome], None] | None = None
     ) -> list[Ran]:
         """Run the trials, several at a time, and return them in the order of `plans`."""
         preload = [m for top in sorted(self.source.trace.libraries) for m in _PRELOAD.get(top, [])]
@@ -214,22 +249,28 @@ class TrialRoom:
             "seconds": self.limits.seconds,
         }
         found: dict[str, Outcome] = {}
-        for outcome in self._nursery.ask(request):
+        for outcome in self._server.ask(request):
             found[outcome.name] = outcome
             if tell is not None:
                 tell(outcome)
-        lost = Outcome("", ended="died", error={"type": "nursery", "message": "no answer"})
-        return [self._ran(plan, found.get(plan.name, lost)) for plan in plans]
+        return [self._ran(plan, found.get(plan.name) or _lost(plan)) for plan in plans]
 
-    def _ran(self, plan: TrialPlan, outcome: Outcome) -> Ran:
-        scratch = Path(plan.scratch)
+    def _ran(self, plan: RunPlan, outcome: Outcome) -> Ran:
+        scratch = Path(plan.folder)
         given = {path.name for path in self.source.path.parent.iterdir() if path.is_file()}
         data = {
             name: read_back(scratch / name)
-            for name in outcome.files
+            for name in map(str, outcome.files)
             if name not in given and not name.endswith((".py", ".pyc"))
         }
         return Ran(outcome, scratch, data)
+
+
+def _lost(plan: RunPlan) -> Outcome:
+    """Say what is known of a trial that the fork server told nothing of."""
+    error = Failure("fork server", message="no answer")
+    script = Path(plan.folder, plan.script)
+    return Outcome(script, plan.generation, Ended.DIED, str(error), 1, error=error, name=plan.name)
 
 
 def lay_out(source: Source, scratch: Path) -> None:
@@ -296,6 +337,7 @@ def robots_and_seconds(script: Path) -> tuple[int | None, float | None]:
         return None, None
     with TrialRoom(source, evidence_of(source.uses).generation, Limits()) as room:
         (ran,) = room.run([room.plan("ideal")])
-    if ran.outcome.ended != "finished" or not ran.outcome.steps:
+    outcome = ran.outcome
+    if outcome.ended is not Ended.FINISHED or not outcome.steps or outcome.report is None:
         return None, None
-    return ran.outcome.robots, ran.outcome.time
+    return outcome.report.number_of_robots, outcome.time

@@ -33,20 +33,20 @@ def join_run(as_worker: bool = False) -> None:
     if plan is None or has_family():
         return
     if as_worker:
-        install(plan.api)
+        install(plan.generation)
     clock = SimulatedClock()
     refuse = None
     try:
-        realism, open_log = plan.functions()
+        profile, open_log = plan.guests()
     except ChildError as error:
-        realism, open_log, refuse = None, None, _refusing(error)
+        profile, open_log, refuse = None, None, _refusing(error)
     session = Session(
         initial=plan.initial,
         seed=plan.seed,
-        realism=refuse or realism,
+        realism=refuse or (None if profile is None else profile.start),
         pace=clock if plan.headless else None,
     )
-    about = {"script": plan.script, "api": plan.api, "seed": plan.seed}
+    about = {"script": plan.script, "generation": plan.generation, "seed": plan.seed}
     out = None if plan.out is None else Path(plan.out)
     family = Family(plan, session, Recording(out, refuse or open_log, about))
     _surroundings.enter_context(repeatable(plan.seed))

@@ -62,7 +62,7 @@ class Family:
         before, _active = _active, self
         self._plan = replace(self._plan, room=tempfile.mkdtemp(prefix="posflock-run-"))
         environment = {name: os.environ.get(name) for name in ("PYTHONPATH", VARIABLE)}
-        generation = import_path(self._plan.api)
+        generation = import_path(self._plan.generation)
         folders = [str(generation.with_name("children")), str(generation)]
         os.environ["PYTHONPATH"] = os.pathsep.join(
             [*folders, *filter(None, [environment["PYTHONPATH"]])]

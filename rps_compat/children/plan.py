@@ -1,26 +1,23 @@
 """What a process that is started afresh has to know of the run that it belongs to.
 
-It stands in the environment, as JSON. Functions that make imperfections or open logs are handed on
-by `pickle`, by their names; what cannot be handed on is told, and refused where it is needed, since
-robots without the run's imperfections would be other robots.
+It stands in the environment, as JSON. The profile, and the function that opens logs, are handed on
+by `pickle`, functions by their names; what cannot be handed on is told, and refused where it is
+needed, since robots without the run's imperfections would be other robots.
 """
 
 import base64
 import json
 import os
 import pickle
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from rps_compat.arena import Realism
 from rps_compat.children import VARIABLE
 from rps_compat.errors import RobotariumError
+from rps_compat.realism import Profile
 from rps_compat.recording import OpenRecorder
 from rps_compat.session import Initial
-
-MakeRealism = Callable[[], Realism | None]
 
 
 class ChildError(RobotariumError):
@@ -33,10 +30,10 @@ class Plan:
 
     Attributes
     ----------
-    script, api, seed, initial, headless, out
+    script, generation, seed, initial, headless, out
         Those of the run.
     handed
-        Pickle of what makes imperfections and opens logs, in base 64; empty if it cannot be.
+        Pickle of the profile and of what opens logs, in base 64; empty if it cannot be.
     lost
         Why it cannot.
     room
@@ -46,7 +43,7 @@ class Plan:
     """
 
     script: str
-    api: int
+    generation: int
     seed: int | None
     initial: Initial
     headless: bool
@@ -62,8 +59,8 @@ class Plan:
         """Return the plan as it stands in the environment."""
         return json.dumps(asdict(self))
 
-    def functions(self) -> tuple[MakeRealism | None, OpenRecorder | None]:
-        """Return what makes imperfections, and what opens logs.
+    def guests(self) -> tuple[Profile | None, OpenRecorder | None]:
+        """Return the profile, and what opens logs.
 
         Raises
         ------
@@ -73,17 +70,17 @@ class Plan:
         if self.lost:
             raise ChildError(
                 f"this process was started afresh and cannot have what its run has: {self.lost}; "
-                "give RunSettings functions that stand in a module, such as "
-                "load_profile('gritsbot_x').start"
+                "give RunSettings a recorder that stands in a module, such as "
+                "posflock_robotarium.logs.recorder.open_pose_log"
             )
-        realism, open_log = pickle.loads(base64.b64decode(self.handed))
-        return realism, open_log
+        profile, open_log = pickle.loads(base64.b64decode(self.handed))
+        return profile, open_log
 
 
-def hand_on(*functions: Any) -> tuple[str, str]:
-    """Return `handed` and `lost` of a plan for what makes imperfections and opens logs."""
+def hand_on(*guests: Any) -> tuple[str, str]:
+    """Return `handed` and `lost` of a plan for a profile and what opens logs."""
     try:
-        return base64.b64encode(pickle.dumps(functions)).decode(), ""
+        return base64.b64encode(pickle.dumps(guests)).decode(), ""
     except Exception as error:  # whatever a user's object raises when it is pickled
         return "", f"{type(error).__name__}: {error}"
 

@@ -30,10 +30,10 @@ def keep_apart(folder: "str | None" = None) -> "Any":
     return names
 
 
-def arrive(api: int) -> None:
-    """Let ``import rps`` mean generation `api` in a process whose script has imported it."""
+def arrive(generation: int) -> None:
+    """Let ``import rps`` mean `generation` in a process whose script has imported it."""
     names = keep_apart()
-    _run_package().install(api=api)
+    _run_package().install(generation=generation)
     __import__("rps")
     from rps_compat.children import VARIABLE
 

@@ -11,8 +11,9 @@ import re
 
 from rps_compat.bridges import takes_one_element
 from rps_compat.errors import RobotariumError, WrongArgumentError
+from rps_compat.generations import Generation
 from rps_compat.scripts.changes import CHANGES, Kind
-from rps_compat.scripts.evidence import Evidence, Generation
+from rps_compat.scripts.evidence import Evidence
 from rps_compat.scripts.generation_names import (
     ATTRIBUTES,
     FUNCTIONS,
@@ -47,8 +48,8 @@ _NO_SUCH_NAME = {
 REHEARSE = "`posflock bundle` and `posflock rehearse` run it with the testbed's versions"
 
 
-def hint(error: BaseException, evidence: Evidence, api: Generation) -> str | None:
-    """Return what to try after `error` ended a script that ran as `api`; None if nothing.
+def hint(error: BaseException, evidence: Evidence, generation: Generation) -> str | None:
+    """Return what to try after `error` ended a script that ran as `generation`; None if nothing.
 
     Parameters
     ----------
@@ -56,15 +57,15 @@ def hint(error: BaseException, evidence: Evidence, api: Generation) -> str | Non
         What ended it.
     evidence : Evidence
         What the script's source says about its generation.
-    api : int
+    generation : int
         1 or 2.
     """
-    other: Generation = 2 if api == 1 else 1
+    other: Generation = 2 if generation == 1 else 1
     if not evidence.stopping(other) and _is_about_the_api(error):
         says = "does not say" if not evidence.certain else "says otherwise"
         return (
-            f"this ran as generation {api} of the API, and the script's source {says}: "
-            f"--api {other} runs it as generation {other}"
+            f"this ran as generation {generation} of the API, and the script's source {says}: "
+            f"--generation {other} runs it as generation {other}"
         )
     newer = newer_library(type(error).__name__, str(error))
     return f"{newer}; {REHEARSE}" if newer else None

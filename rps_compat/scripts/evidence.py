@@ -11,13 +11,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
+from rps_compat.generations import Generation
 from rps_compat.scripts.api import ApiName
 from rps_compat.scripts.program import Program, read_program
 from rps_compat.scripts.uses import Use, uses_in
 
-Generation = Literal[1, 2]
 #: Names of the other generation beyond this many are counted only.
 TOLD = 5
 
@@ -92,7 +91,7 @@ class Evidence:
         if found and self.nothing:
             notes.append(
                 f"nothing in the script tells its generation: running as generation {generation}; "
-                f"--api {other} runs it as generation {other}"
+                f"--generation {other} runs it as generation {other}"
             )
         return notes
 

@@ -1,4 +1,4 @@
-"""What a script must not do is stopped where it happens, and reported with the line.
+"""Policy: what a script must not do is stopped where it happens, and reported with the line.
 
 An audit hook hears of writing outside the scratch folder, of starting processes and of using the
 network.  That is a net for mistakes, not a sandbox: native code passes it.
@@ -6,14 +6,19 @@ network.  That is a net for mistakes, not a sandbox: native code passes it.
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict
+from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from posflock_robotarium.flocking.errors import PosflockError
+from rps_compat.errors import RobotariumError
+from rps_compat.running.failures import file_in
+from rps_compat.running.outcome import PolicyViolation
 
 _WRITE_FLAGS = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_TRUNC
 _PATH_EVENTS = frozenset(
@@ -47,8 +52,16 @@ _NETWORK_EVENTS = frozenset(
 )
 
 
-class ForbiddenError(PosflockError, PermissionError):
-    """The script tried what it must not do; the deed is on record."""
+_NO = {
+    "outside-write": "a script may write in its own folder only",
+    "fork": "a script may not start or end processes",
+    "network": "there is no network",
+}
+_is_hooked = False
+
+
+class ForbiddenError(RobotariumError, PermissionError):
+    """The script tried what it must not do; the violation is on record."""
 
 
 class Guard:
@@ -57,24 +70,52 @@ class Guard:
     Parameters
     ----------
     scratch : str
-        The folder in which the script may write.
-    deeds : int
-        Descriptor of the file that keeps the record, a line of JSON each.
-    steps : function
-        How many steps the script has taken.
+        The script's folder, in which it may write.
+    time : function
+        Returns the seconds of the run.
+    forbidden : sequence of str
+        What is forbidden: outside-write, fork, network.
+    to_libraries : bool
+        Whether processes and the network are forbidden to libraries, too.
+    record : path, optional
+        File that keeps the record, a line of JSON each, for another process.
+
+    Attributes
+    ----------
+    violations : list of PolicyViolation
+        What was done.
     """
 
     active: Guard | None = None
 
-    def __init__(self, scratch: str, deeds: int, steps: Callable[[], int]) -> None:
+    def __init__(
+        self,
+        scratch: str,
+        time: Callable[[], float],
+        forbidden: Sequence[str],
+        to_libraries: bool = False,
+        record: Path | None = None,
+    ) -> None:
         self.scratch = scratch
-        self.deeds = deeds
-        self.steps = steps
+        self.time = time
+        self.forbidden = frozenset(forbidden)
+        self.to_libraries = to_libraries
+        self.violations: list[PolicyViolation] = []
+        flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND
+        self._record = None if record is None else os.open(record, flags)
 
-    def install(self) -> None:
-        """Go on duty."""
-        Guard.active = self
-        sys.addaudithook(_audit)
+    @contextlib.contextmanager
+    def on_duty(self) -> Iterator[None]:
+        """Be on duty within the ``with`` block."""
+        global _is_hooked
+        before, Guard.active = Guard.active, self
+        if not _is_hooked:
+            sys.addaudithook(_audit)
+            _is_hooked = True
+        try:
+            yield
+        finally:
+            Guard.active = before
 
     def allows(self, path: Any) -> bool:
         """Whether the script may write there."""
@@ -88,30 +129,33 @@ class Guard:
     def record(self, kind: str, what: str) -> None:
         """Put on record what the script did, and which of its lines."""
         line, file = self.blame()
-        deed = {"kind": kind, "what": what, "line": line, "file": file, "step": self.steps()}
-        os.write(self.deeds, (json.dumps(deed) + "\n").encode())
+        violation = PolicyViolation(kind, what, line, file, self.time())
+        self.violations.append(violation)
+        if self._record is not None:
+            os.write(self._record, (json.dumps(asdict(violation)) + "\n").encode())
 
-    def answer(self, prompt: object = "") -> str:
-        """Stand in for ``input()``: nobody is there, which goes on record."""
+    def asked(self) -> None:
+        """Be told that the script asks somebody: nobody is there, which goes on record."""
         self.record("blocking-call", "input()")
-        return ""
 
     def blame(self) -> tuple[int | None, str]:
         """Return the innermost line of the script's own files that is being run."""
         frame: FrameType | None = sys._getframe(2)
         while frame is not None:
-            name = frame.f_code.co_filename
-            if name.startswith(self.scratch):
-                return frame.f_lineno, os.path.basename(name)
+            file = file_in(self.scratch, frame.f_code.co_filename)
+            if file:
+                return frame.f_lineno, file
             frame = frame.f_back
         return None, ""
 
     def is_the_scripts(self) -> bool:
-        """Whether the script asks, not a library that has its own reasons."""
+        """Whether the script asks, not a library that has its own reasons and may have them."""
+        if self.to_libraries:
+            return True
         frame: FrameType | None = sys._getframe(2)
         while frame is not None:
             name = frame.f_code.co_filename
-            if name.startswith(self.scratch):
+            if file_in(self.scratch, name):
                 return True
             if "site-packages" in name or "dist-packages" in name:
                 return False
@@ -123,7 +167,7 @@ def _audit(event: str, arguments: tuple[Any, ...]) -> None:
     guard = Guard.active
     if guard is None:
         return
-    if event == "open":
+    if event == "open" and "outside-write" in guard.forbidden:
         path, mode, flags = arguments[0], arguments[1], arguments[2]
         if isinstance(mode, str):
             writes = any(letter in mode for letter in "wax+")
@@ -131,15 +175,15 @@ def _audit(event: str, arguments: tuple[Any, ...]) -> None:
             writes = isinstance(flags, int) and bool(flags & _WRITE_FLAGS)
         if writes and not guard.allows(path):
             _refuse(guard, "outside-write", os.fsdecode(path))
-    elif event in _PATH_EVENTS:
+    elif event in _PATH_EVENTS and "outside-write" in guard.forbidden:
         for path in arguments[:2]:
             if isinstance(path, (str, bytes, os.PathLike)) and not guard.allows(path):
                 _refuse(guard, "outside-write", os.fsdecode(path))
-    elif event in _PROCESS_EVENTS and guard.is_the_scripts():
+    elif event in _PROCESS_EVENTS and "fork" in guard.forbidden and guard.is_the_scripts():
         _refuse(guard, "fork", " ".join(str(a) for a in arguments[:2]) or event)
-    elif event in _NETWORK_EVENTS and guard.is_the_scripts():
+    elif event in _NETWORK_EVENTS and "network" in guard.forbidden and guard.is_the_scripts():
         _refuse(guard, "network", _address(event, arguments))
-    elif event == "os.kill" and arguments[0] != os.getpid():
+    elif event == "os.kill" and "fork" in guard.forbidden and arguments[0] != os.getpid():
         _refuse(guard, "fork", f"kill {arguments[0]}")
 
 
@@ -155,4 +199,4 @@ def _refuse(guard: Guard, kind: str, what: str) -> None:
         guard.record(kind, what)
     finally:
         Guard.active = guard
-    raise ForbiddenError(f"{kind}: {what}")
+    raise ForbiddenError(f"{_NO[kind]}: {what}")

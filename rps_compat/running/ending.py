@@ -22,20 +22,21 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
-from typing import Literal, NoReturn
+from typing import NoReturn
 
 from rps_compat.clock import Stuck, real
 from rps_compat.errors import ScriptError
 from rps_compat.last_resort import last_resort
 from rps_compat.own_imports.whose import environments_module
+from rps_compat.running.failures import failure_of
+from rps_compat.running.outcome import Ended, Failure
+from rps_compat.running.schedule import Enough
 
-Ended = Literal["finished", "failed", "interrupted", "timeout", "stuck", "idle"]
 #: Exit codes of a run that the script does not end itself, the first four as shells have them.
 EXIT_CODES: dict[Ended, int] = {
-    "finished": 0, "failed": 1, "interrupted": 130, "timeout": 124, "stuck": 3, "idle": 4,
+    Ended.FINISHED: 0, Ended.FAILED: 1, Ended.INTERRUPTED: 130, Ended.TIMED_OUT: 124,
+    Ended.HUNG: 3, Ended.IDLE: 4, Ended.OUT_OF_MEMORY: 1, Ended.OVER_TIME: 124, Ended.STOPPED: 0,
 }  # fmt: skip
-#: How the pose log calls each end.
-LOGGED: dict[Ended, str] = {"timeout": "interrupted", "stuck": "failed", "idle": "finished"}
 #: Real seconds between two signals of the time limit, and how many the main thread gets.
 AGAIN, TRIES = 0.25, 8
 #: Real seconds after the limit when a process that may be ended is, without a report.
@@ -50,16 +51,17 @@ class OutOfTime(BaseException):
 
 @dataclass(frozen=True)
 class End:
-    """How a script ended, why in words, and its exit code; see `RunResult`."""
+    """How a script ended, why in words, its exit code, and the exception; see `Outcome`."""
 
     ended: Ended
     reason: str
     exit_code: int
+    error: Failure | None = None
 
     @classmethod
-    def of(cls, ended: Ended, reason: str = "") -> "End":
+    def of(cls, ended: Ended, reason: str = "", error: Failure | None = None) -> "End":
         """Return the end of a kind that has an exit code of its own."""
-        return cls(ended, reason, EXIT_CODES[ended])
+        return cls(ended, reason, EXIT_CODES[ended], error)
 
 
 def end_of(
@@ -84,41 +86,53 @@ def end_of(
         Waits, when it is left, for what else the script leaves, or ends that.
     """
     before = set(threading.enumerate())
-    end = End.of("finished")
+    end = End.of(Ended.FINISHED)
     try:
         with limit, leftovers:
             try:
                 run()
             except Exception as error:
-                _print_traceback(error, script)
-                end = End.of("failed", f"{type(error).__name__}: {error}")
+                end = _failed(error, script)
             except SystemExit as left:
-                end = _exit_of(left)
+                end = _exit_of(left, script)
             wait_for_threads(before)
     except OutOfTime:
         return limit.end
-    except KeyboardInterrupt:
-        return End.of("interrupted", "KeyboardInterrupt")
+    except Enough:
+        return End.of(Ended.STOPPED)
+    except KeyboardInterrupt as error:
+        what = failure_of(error, script.parent)
+        return End.of(Ended.INTERRUPTED, "KeyboardInterrupt", what)
     except Stuck as stuck:
-        return end if end.exit_code else End.of("stuck", str(stuck))
+        if end.exit_code:
+            return end
+        return End.of(Ended.HUNG, str(stuck), failure_of(stuck, script.parent))
     except BaseException as error:
-        _print_traceback(error, script)
-        return End.of("failed", f"{type(error).__name__}: {error}")
+        return _failed(error, script)
     return end
 
 
-def _exit_of(left: SystemExit) -> End:
+def _failed(error: BaseException, script: Path) -> End:
+    _print_traceback(error, script)
+    ended = Ended.OUT_OF_MEMORY if isinstance(error, MemoryError) else Ended.FAILED
+    reason = f"{type(error).__name__}: {error}"
+    return End.of(ended, reason, failure_of(error, script.parent))
+
+
+def _exit_of(left: SystemExit, script: Path) -> End:
     if left.code is None or left.code == 0:
-        return End.of("finished")
+        return End.of(Ended.FINISHED)
+    what = failure_of(left, script.parent)
     if isinstance(left.code, int):
-        return End("failed", f"the script left with exit code {left.code}", left.code)
+        reason = f"the script left with exit code {left.code}"
+        return End(Ended.FAILED, reason, left.code, what)
     print(left.code, file=sys.stderr)
-    return End.of("failed", str(left.code))
+    return End.of(Ended.FAILED, str(left.code), what)
 
 
 def _print_traceback(error: BaseException, script: Path) -> None:
     frames = error.__traceback__
-    while frames is not None and frames.tb_frame.f_code.co_filename != str(script):
+    while frames is not None and script.parent / frames.tb_frame.f_code.co_filename != script:
         frames = frames.tb_next
     traceback.print_exception(type(error), error, frames or error.__traceback__)
 
@@ -189,13 +203,13 @@ class TimeLimit:
     @property
     def end(self) -> End:
         """The end of a script that the limit stopped."""
-        return End.of("timeout", f"stopped by the time limit of {self._seconds:g} s")
+        return End.of(Ended.TIMED_OUT, f"stopped by the time limit of {self._seconds:g} s")
 
     def __enter__(self) -> "TimeLimit":
         if math.isfinite(self._seconds):
             self._over.acquire()
             if self._give_up is not None:
-                code = EXIT_CODES["timeout"]
+                code = EXIT_CODES[Ended.TIMED_OUT]
                 self._last.enter_context(last_resort(self._seconds + LAST_RESORT, code))
             self._before = signal.signal(signal.SIGXCPU, self._stop)
             real.start_new_thread(self._watch, (real.get_ident(),))

@@ -1,7 +1,7 @@
-"""Where trials are born and watched: a process that forks one child a trial.
+"""The fork server: a process that forks one child a trial, watches it and ends it in time.
 
-``python -m posflock_robotarium.verify.nursery`` reads JSON requests on its standard input, one a
-line. For each it imports what the trials need, forks them, so many at a time, and writes one JSON
+``python -m posflock_robotarium.verify.fork_server`` reads JSON requests on its standard input, one
+a line. For each it imports what the trials need, forks them, so many at a time, and writes one JSON
 line a finished trial, and an empty line at the end.  Being a process of its own, whatever a
 script does to it does not reach the verifier.  A trial is killed, with everything it started in
 its process group, when it has not stepped for too long, or has used up its time.
@@ -21,26 +21,25 @@ import signal
 import sys
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from posflock_robotarium.verify.trial import (
-    Outcome,
-    TrialPlan,
-    open_pulse,
-    read_pulse,
-    run_trial,
-)
+from posflock_robotarium.verify.trial import OUTCOME, run_trial
+from rps_compat.running.driver import VIOLATIONS
+from rps_compat.running.outcome import Ended, Failure, Outcome, PolicyViolation
+from rps_compat.running.plan import RunPlan
+from rps_compat.running.schedule import open_pulse, read_pulse
 
-#: Signals that end the nursery.
+#: Signals that end the fork server.
 _ENDING = (signal.SIGINT, signal.SIGTERM)
 
 
 @dataclass
 class _Child:
     pid: int
-    plan: TrialPlan
+    plan: RunPlan
+    watched: Path
     pulse: mmap.mmap
     started: float
     asked: bool = False
@@ -51,7 +50,7 @@ def serve(request: dict[str, Any]) -> None:
     for name in request["preload"]:
         with contextlib.suppress(Exception):
             importlib.import_module(name)
-    waiting = [TrialPlan(**plan) for plan in request["plans"]]
+    waiting = [RunPlan.from_dict(plan) for plan in request["plans"]]
     children: list[_Child] = []
     try:
         while waiting or children:
@@ -69,29 +68,30 @@ def serve(request: dict[str, Any]) -> None:
                     _, status = os.waitpid(child.pid, 0)
                 children.remove(child)
                 left = _survivors(child)
-                print(json.dumps(_outcome(child, status, why, left)), flush=True)
+                print(json.dumps(_outcome(child, status, why, left).as_dict()), flush=True)
     finally:  # whoever ends this process ends the trials
         for child in children:
             _survivors(child)
     print(flush=True)
 
 
-def _fork(plan: TrialPlan) -> _Child:
-    results = Path(plan.results)
-    pulse = open_pulse(results)
+def _fork(plan: RunPlan) -> _Child:
+    assert plan.watched is not None
+    watched = Path(plan.watched)
+    pulse = open_pulse(watched)
     pid = os.fork()
     if pid == 0:
         _die_with_parent()
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
         os.setpgid(0, 0)
         signal.pthread_sigmask(signal.SIG_UNBLOCK, _ENDING)
-        with open(results / "where.txt", "w") as where:
+        with open(watched / "where.txt", "w") as where:
             faulthandler.register(signal.SIGUSR1, where, all_threads=False)
             run_trial(plan)
         os._exit(0)
     with contextlib.suppress(OSError):
         os.setpgid(pid, pid)
-    return _Child(pid, plan, pulse, time.time())
+    return _Child(pid, plan, watched, pulse, time.time())
 
 
 @contextlib.contextmanager
@@ -151,79 +151,77 @@ def _survivors(child: _Child) -> bool:
     return True
 
 
-def _outcome(child: _Child, status: int, why: str | None, left: bool) -> dict[str, Any]:
-    plan, results = child.plan, Path(child.plan.results)
+def _outcome(child: _Child, status: int, why: str | None, left: bool) -> Outcome:
+    """Return what the trial tells, or what is known of it, and what it left."""
     try:
-        said: dict[str, Any] = json.loads((results / "outcome.json").read_text())
+        said = json.loads((child.watched / OUTCOME).read_text())
+        outcome = Outcome.from_dict(said)
     except (OSError, ValueError):
-        said = _obituary(child, status, why)
-    if why is not None and said["ended"] in ("finished", "died"):
-        said["ended"] = "hung"
-    deeds = results / "deeds.jsonl"
-    if deeds.exists():
-        said["deeds"] = [json.loads(line) for line in deeds.read_text().splitlines()]
-        for deed in said["deeds"]:
-            deed["time"] = deed.pop("step") * said["time_step"]
+        outcome = _obituary(child, status, why)
+    if why is not None and outcome.ended in (Ended.FINISHED, Ended.DIED):
+        outcome = replace(outcome, ended=Ended.HUNG)
+    violations = _violations(child.watched / VIOLATIONS)
     if left:
-        said["deeds"].append(
-            {"kind": "fork", "what": "left processes running", "line": None, "file": "", "time": 0}
-        )
-    said["said"] = _tail(results / "said.txt")
-    said["files"] = _files(Path(plan.scratch), plan.script)
-    return said
+        violations.append(PolicyViolation("fork", "left processes running"))
+    folder = Path(child.plan.folder)
+    return replace(outcome, policy_violations=tuple(violations), files=_files(folder))
 
 
-def _obituary(child: _Child, status: int, why: str | None) -> dict[str, Any]:
+def _violations(record: Path) -> list[PolicyViolation]:
+    """Read what a trial put on record at once: it may have been killed since."""
+    if not record.exists():
+        return []
+    return [PolicyViolation(**json.loads(line)) for line in record.read_text().splitlines()]
+
+
+def _obituary(child: _Child, status: int, why: str | None) -> Outcome:
     """Say what is known of a trial that could not speak for itself."""
-    from dataclasses import asdict
-
+    plan = child.plan
     steps, t, _, _ = read_pulse(child.pulse)
-    outcome = Outcome(child.plan.name, steps=steps, time=t, clock=t, seed=child.plan.seed)
-    outcome.generation = child.plan.generation
-    outcome.profile = child.plan.profile.get("name", "ideal")
     number = os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0
-    if child.plan.kill_at is not None and number == signal.SIGKILL and why is None:
-        outcome.ended = "killed"
+    ended, error = Ended.DIED, None
+    if plan.kill_at is not None and number == signal.SIGKILL and why is None:
+        ended = Ended.KILLED
     elif why is not None:
-        outcome.ended = "hung"
-        outcome.error = _where(child)
+        ended, error = Ended.HUNG, _where(child)
     else:
         name = signal.Signals(number).name if number else f"exit code {os.WEXITSTATUS(status)}"
-        outcome.ended = "died"
-        outcome.error = {"type": name, "message": f"the process ended by {name}"}
-    return asdict(outcome)
+        error = Failure(type=name, message=f"the process ended by {name}")
+    return Outcome(
+        Path(plan.folder, plan.script),
+        plan.generation,
+        ended,
+        reason="" if error is None else str(error),
+        exit_code=128 + number if number else os.WEXITSTATUS(status),
+        error=error,
+        name=plan.name,
+        seed=plan.seed,
+        profile=plan.profile_name,
+        steps=steps,
+        time=t,
+        clock=t,
+    )
 
 
-def _where(child: _Child) -> dict[str, Any]:
+def _where(child: _Child) -> Failure:
     """Find the script's line in what faulthandler wrote when the child was asked."""
-    out: dict[str, Any] = {"type": "", "message": "no step", "line": None, "file": ""}
+    text = ""
     with contextlib.suppress(OSError):
-        text = (Path(child.plan.results) / "where.txt").read_text(errors="replace")
-        scratch = os.path.realpath(child.plan.scratch)
-        for file, line in re.findall(r'File "(.+?)", line (\d+)', text):
-            if file.startswith(scratch):
-                out |= {"line": int(line), "file": os.path.basename(file)}
-                out["lines"] = [[int(line), os.path.basename(file)]]
-                break
-    return out
+        text = (child.watched / "where.txt").read_text(errors="replace")
+    for file, line in re.findall(r'File "(.+?)", line (\d+)', text):
+        if file.startswith(child.plan.folder):
+            place = int(line), os.path.basename(file)
+            return Failure("", message="no step", line=place[0], file=place[1], lines=(place,))
+    return Failure("", message="no step")
 
 
-def _tail(path: Path, size: int = 4000) -> str:
-    try:
-        with open(path, "rb") as file:
-            file.seek(max(0, path.stat().st_size - size))
-            return file.read().decode(errors="replace")
-    except OSError:
-        return ""
-
-
-def _files(scratch: Path, script: str) -> dict[str, int]:
-    """Return the sizes of the files in a scratch folder."""
-    return {
-        str(path.relative_to(scratch)): path.stat().st_size
-        for path in sorted(scratch.rglob("*"))
+def _files(folder: Path) -> tuple[Path, ...]:
+    """Return the files in the folder of a trial, relative to it."""
+    return tuple(
+        path.relative_to(folder)
+        for path in sorted(folder.rglob("*"))
         if path.is_file() and "__pycache__" not in path.parts
-    }
+    )
 
 
 if __name__ == "__main__":

@@ -1,0 +1,121 @@
+"""The testbed's Python and its libraries, in an environment that is built once and cached."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from posflock_robotarium.flocking.errors import PosflockError
+from posflock_robotarium.submission.interpreters import installed_pythons
+from rps_compat.scripts.libraries import IMPORT_NAMES, LIBRARIES, PYTHON
+
+#: Always installed; heavier ones only where the bundle imports them.
+_BASE = ("numpy", "scipy", "matplotlib", "cvxopt")
+
+
+class RehearsalError(PosflockError):
+    """The rehearsal environment cannot be built or started."""
+
+
+@dataclass(frozen=True)
+class Environment:
+    """A cached copy of the testbed's Python.
+
+    Attributes
+    ----------
+    python : Path
+        Its interpreter.
+    version : str
+        Of that interpreter.
+    libraries : dict
+        Installed versions of what was asked for.
+    note : str
+        How it differs from the testbed; empty where it does not.
+    """
+
+    python: Path
+    version: str
+    libraries: dict[str, str]
+    note: str = ""
+
+
+def build_environment(
+    libraries: Iterable[str], tell: Callable[[str], None] | None = None
+) -> Environment:
+    """Return a cached environment that has the testbed's version of these libraries.
+
+    Parameters
+    ----------
+    libraries : iterable of str
+        Import names; those of the standard library do not matter.
+    tell : callable, optional
+        Is told when one is being built, which takes a minute.
+    """
+    wanted = {IMPORT_NAMES[name] for name in libraries if name in IMPORT_NAMES}
+    pins = [
+        f"{name}=={version}" if version else name
+        for name, version in LIBRARIES.items()
+        if name in wanted or name in _BASE
+    ]
+    base, note = _nearest_python()
+    key = hashlib.sha256("\n".join([str(base), *pins]).encode()).hexdigest()[:16]
+    folder = cache_folder() / f"testbed-{key}"
+    python = folder / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+    if not (folder / "ready").exists():
+        if tell is not None:
+            tell(f"building the rehearsal environment, once: {', '.join(pins)}")
+        _build(base, folder, python, pins)
+    program = (
+        "import json, platform; from importlib.metadata import version;"
+        f"print(json.dumps([platform.python_version(), {{n: version(n) for n in"
+        f" {[pin.partition('==')[0] for pin in pins]!r}}}]))"
+    )
+    version, installed = json.loads(
+        subprocess.run(
+            [str(python), "-I", "-c", program], capture_output=True, text=True, check=True
+        ).stdout
+    )
+    return Environment(python, version, installed, note)
+
+
+def _nearest_python() -> tuple[Path, str]:
+    """Return the testbed's Python, or the nearest there is with a note that says so."""
+    pythons = installed_pythons()
+    if PYTHON in pythons:
+        return pythons[PYTHON], ""
+    nearest = min((v for v in pythons if v >= (3, 10)), key=lambda v: abs(v[1] - PYTHON[1]))
+    return pythons[nearest], (
+        f"the testbed runs Python {PYTHON[0]}.{PYTHON[1]}, which is not installed"
+        f" here: rehearsed with {nearest[0]}.{nearest[1]}, which accepts newer syntax"
+    )
+
+
+def cache_folder() -> Path:
+    """Return the folder of what is kept from one rehearsal to the next."""
+    home = os.environ.get("XDG_CACHE_HOME")
+    return (Path(home) if home else Path.home() / ".cache") / "posflock"
+
+
+def _build(base: Path, folder: Path, python: Path, pins: list[str]) -> None:
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    commands = [
+        [str(base), "-m", "venv", str(folder)],
+        [str(python), "-m", "pip", "install", "-q", "--disable-pip-version-check", *pins],
+    ]
+    for command in commands:
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode:
+            shutil.rmtree(folder, ignore_errors=True)
+            last = (done.stderr.strip().splitlines() or ["no reason given"])[-1]
+            raise RehearsalError(
+                f"cannot build the rehearsal environment: `{' '.join(command[1:4])} …` ended with"
+                f" {last!r}; it needs the package index once"
+            )
+    (folder / "ready").write_text("\n".join(pins) + "\n")

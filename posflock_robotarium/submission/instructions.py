@@ -1,0 +1,52 @@
+"""What a person does with a bundle: which files to upload, and what to enter where."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from posflock_robotarium.submission.manifest import MANIFEST
+from posflock_robotarium.verify.findings import count
+from rps_compat import testbed
+
+if TYPE_CHECKING:
+    from posflock_robotarium.submission.bundle import Bundle
+
+#: Name of the file that holds them.
+INSTRUCTIONS = "SUBMIT.md"
+
+
+def instructions(ready: Bundle) -> str:
+    """Return the instructions for a bundle, as Markdown."""
+    size = math.ceil(ready.size / 1024)
+    robots = f"{ready.robots}" if ready.robots else "as many as the script asks for"
+    duration = (
+        f"{ready.duration:.0f} s (the run, and the slowest initial drive seen, 192 s)"
+        if ready.duration
+        else f"the run's length and {testbed.INITIAL_DRIVE[2]:.0f} s for the initial drive, at"
+        f" most {testbed.MAX_DURATION:.0f} s"
+    )
+    lines = [
+        f"# Submitting {ready.main}",
+        "",
+        f"Upload every file of this folder except `{INSTRUCTIONS}` and `{MANIFEST}`:"
+        f" {count(len(ready.files), 'file')}, {size} KiB. Do not upload the simulator.",
+        "",
+        *(f"- **Mind** {warning}" for warning in ready.warnings),
+        *([""] if ready.warnings else []),
+        "| field | enter |",
+        "|---|---|",
+        f"| Main file | `{ready.main}` |",
+        f"| Number of robots | {robots} |",
+        f"| Duration | {duration} |",
+        "",
+        f"`sha256sum -c {MANIFEST}` checks the files.",
+        "",
+        "| file | bytes |",
+        "|---|---|",
+        *(f"| `{name}` | {len(content)} |" for name, content in sorted(ready.files.items())),
+    ]
+    if ready.left_out:
+        lines += ["", "Left out, for they need libraries that the testbed has not:", ""]
+        lines += [f"- `{name}` ({library})" for name, library in sorted(ready.left_out.items())]
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,69 @@
+"""What a rehearsal brings back, and what is found on opening it."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+
+
+class FileState(str, Enum):
+    """What a file that came back is found to be."""
+
+    POSE_LOG = "pose log"
+    READABLE = "readable"
+    UNREADABLE = "unreadable"
+
+
+@dataclass(frozen=True)
+class ReturnedFile:
+    """What was found on opening a file.
+
+    Attributes
+    ----------
+    state : FileState
+        What it is.
+    about : str
+        How much is in it, in words.
+    """
+
+    state: FileState
+    about: str
+
+    def __str__(self) -> str:
+        return f"{self.state.value}, {self.about}"
+
+
+def bring_back(scratch: Path, out: Path, uploaded: set[str], said: str) -> list[str]:
+    """Copy what the script wrote into `out`, as the testbed returns it."""
+    (out / "log.txt").write_text(said, encoding="utf-8")
+    back = ["log.txt"]
+    for path in sorted(scratch.rglob("*")):
+        name = str(path.relative_to(scratch))
+        if path.is_file() and name not in uploaded and "__pycache__" not in path.parts:
+            (out / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(path, out / name)
+            back.append(name)
+    return back
+
+
+def describe_file(path: Path) -> ReturnedFile:
+    """Open a returned file and say what it is."""
+    from posflock_robotarium.flocking.errors import LogError
+    from posflock_robotarium.logs.readers import read_pose_log
+    from posflock_robotarium.verify.trials import read_back
+
+    if path.suffix == ".npy":
+        try:
+            log = read_pose_log(path)
+        except LogError:
+            pass
+        else:
+            end = "unknown" if log.ending is None else log.ending.how.value
+            last = f"{log.t[-1]:.1f} s" if len(log.t) else "nothing"
+            about = f"{log.robots} robots, {len(log.t)} rows until {last}, {end}"
+            return ReturnedFile(FileState.POSE_LOG, about)
+    content = read_back(path)
+    state = FileState.READABLE if content.readable else FileState.UNREADABLE
+    return ReturnedFile(state, f"{content.size} bytes")

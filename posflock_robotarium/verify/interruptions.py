@@ -1,0 +1,74 @@
+"""What is left of the data when a run is ended from outside: from outcomes to findings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from posflock_robotarium.verify.findings import Finding, Verdict
+from posflock_robotarium.verify.trials import Ran
+from rps_compat.running.outcome import Ended
+
+#: Endings of figures, which can be drawn again from data.
+_PICTURES = (".png", ".jpg", ".jpeg", ".gif", ".svg", ".pdf", ".tiff", ".bmp")
+
+
+def judge_data(
+    ideal: Ran, interrupted: Ran | None, killed: Ran | None, known: Sequence[Finding]
+) -> Iterator[Finding]:
+    """Tell what is left of the data when a run is ended from outside."""
+    written = [name for name, content in ideal.data.items() if content.readable]
+    if not written or interrupted is None or not interrupted.outcome.steps:
+        return
+    if interrupted.outcome.ended is Ended.HUNG:
+        yield Finding(
+            "hang",
+            Verdict.RISK,
+            "goes on after the KeyboardInterrupt in step(), without stepping",
+            "let the interrupt end the loop",
+            time=interrupted.outcome.time,
+        )
+    kept = _kept(ideal, interrupted)
+    lost = [name for name in written if name not in kept]
+    t = interrupted.outcome.time or 0.0
+    # Files that half a run leaves as a whole one does hold none of its data.
+    recorded = [n for n in kept if ideal.data[n].digest != interrupted.data[n].digest]
+    if not kept or (not recorded and any(not n.lower().endswith(_PICTURES) for n in lost)):
+        if not any(finding.code == "save-at-end" for finding in known):
+            yield Finding(
+                "data-lost",
+                Verdict.RISK,
+                f"interrupted at t = {t:.0f} s, it left nothing of {', '.join(lost)}",
+                "write during the loop, or in `try: … finally:` around it",
+                time=t,
+                figure=float(len(lost)),
+                unit="files lost",
+            )
+        return
+    if killed is not None and killed.outcome.steps and not _kept(ideal, killed):
+        yield Finding(
+            "data-lost",
+            Verdict.NOTE,
+            f"a KeyboardInterrupt leaves {', '.join(kept)}, but a kill leaves nothing",
+            "write row by row during the loop (numpy.lib.format.open_memmap, or PoseLog)",
+            time=killed.outcome.time,
+            figure=float(len(written)),
+            unit="files lost",
+        )
+    elif lost:
+        yield Finding(
+            "data-lost",
+            Verdict.NOTE,
+            f"interrupted at t = {t:.0f} s, it left {', '.join(kept)}, and not {', '.join(lost)}",
+            "",
+            time=t,
+            figure=float(len(lost)),
+            unit="files lost",
+        )
+
+
+def _kept(ideal: Ran, ended: Ran) -> list[str]:
+    return [
+        name
+        for name, content in ideal.data.items()
+        if content.readable and name in ended.data and ended.data[name].readable
+    ]

@@ -1,0 +1,161 @@
+"""Where robots went: collisions, walls, wheels and the start, from outcomes to findings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from barrier_certificates import ties
+from posflock_robotarium.verify.endings import is_explained
+from posflock_robotarium.verify.findings import Finding, Verdict, count, wilson_interval
+from rps_compat import testbed
+from rps_compat.running.outcome import Ended, Outcome
+
+
+def judge_collisions(ideal: Outcome, trials: Sequence[Outcome]) -> Iterator[Finding]:
+    """Tell of robots that come too close."""
+    advice = (
+        "keep centres at least 0.15 m apart: use a barrier certificate, with a larger safety radius"
+    )
+    first = _first(ideal, "collision")
+    if first and _starts_in_collision(ideal):
+        return  # told of as a start
+    if first:
+        yield Finding(
+            "collision",
+            Verdict.FAIL,
+            f"robots come within {100 * first.worst:.1f} cm of each other in the ideal"
+            " simulator: the testbed's collision detector ends the run",
+            advice,
+            time=first.time,
+            robots=first.robots,
+            figure=first.worst,
+            unit="m between collision points",
+        )
+        return
+    yield from _proportion("collision", trials, advice, "robots collide", "collision")
+
+
+def judge_boundary(ideal: Outcome, trials: Sequence[Outcome]) -> Iterator[Finding]:
+    """Tell of robots outside the arena."""
+    advice = "keep robots inside: use a certificate with boundary, or smaller goals"
+    first, report = _first(ideal, "boundary"), ideal.report
+    if first and report:
+        many = report.steps_outside > testbed.TOLERATED_VIOLATIONS
+        yield Finding(
+            "boundary",
+            Verdict.FAIL if many else Verdict.RISK,
+            f"robots are outside the arena at the start of {count(report.steps_outside, 'step')}",
+            advice,
+            time=first.time,
+            robots=first.robots,
+            figure=first.worst,
+            unit="m outside",
+        )
+        return
+    yield from _proportion("boundary", trials, advice, "robots leave the arena", "boundary")
+
+
+def _proportion(
+    code: str, trials: Sequence[Outcome], advice: str, words: str, kind: str
+) -> Iterator[Finding]:
+    """Tell of a fault that imperfections bring out."""
+    ran = [outcome for outcome in trials if outcome.steps]
+    hit = [(outcome, first) for outcome in ran if (first := _first(outcome, kind))]
+    if not hit:
+        return
+    low, high = wilson_interval(len(hit), len(ran))
+    outcome, first = hit[0]
+    yield Finding(
+        code,
+        Verdict.FAIL if low >= 0.2 else Verdict.RISK,
+        f"{words} in {len(hit)} of {count(len(ran), 'trial')} with imperfections"
+        f" ({100 * low:.0f} to {100 * high:.0f} % of runs), though not in the ideal simulator;"
+        f" first in the trial with seed {outcome.seed}",
+        advice,
+        time=first.time,
+        robots=first.robots,
+        figure=first.worst,
+        unit="m",
+        trials=(len(hit), len(ran)),
+        interval=(low, high),
+    )
+
+
+def judge_wheels(ideal: Outcome) -> Iterator[Finding]:
+    """Tell of commands beyond the wheels' limit."""
+    first, report = _first(ideal, "actuator"), ideal.report
+    if not first or report is None:
+        return
+    limit = 12.5
+    steps, fastest = report.steps_over_actuator_limits, report.largest_wheel_velocity
+    many = steps > testbed.TOLERATED_VIOLATIONS
+    yield Finding(
+        "actuator",
+        Verdict.RISK if many else Verdict.NOTE,
+        f"asks a wheel for more than {limit} rad/s in {count(steps, 'step')}, up"
+        f" to {fastest:.1f}: the motors cut that, and robots drive another curve",
+        "scale commands down before set_velocities: 0.2 m/s straight is the limit, less in a turn",
+        time=first.time,
+        robots=first.robots,
+        figure=fastest,
+        unit="rad/s",
+    )
+
+
+def judge_start(
+    ideal: Outcome, drive: Outcome | None, known: Sequence[Finding]
+) -> Iterator[Finding]:
+    """Tell of initial conditions that are too close, or that robots do not reach."""
+    gap = ideal.initial_gap
+    colliding = _starts_in_collision(ideal)
+    close = gap is not None and ties.short_of(gap.metres, testbed.SPACING)
+    if gap is not None and close:
+        yield Finding(
+            "close-start",
+            Verdict.FAIL if colliding else Verdict.RISK,
+            f"initial conditions place two robots {100 * gap.metres:.1f} cm apart"
+            + (": they begin in a collision, and cannot be driven there" if colliding else ""),
+            f"keep centres at least {testbed.SPACING} m apart",
+            time=0.0,
+            robots=gap.robots,
+            figure=gap.metres,
+            unit="m",
+        )
+    # Whether robots get to places so close takes minutes of pushing, and hangs on its last bits.
+    if close or colliding:
+        return
+    error = None if drive is None or drive.ended is not Ended.FAILED else drive.error
+    if error is not None and error.type != "SystemExit" and not is_explained(error, known):
+        yield Finding(
+            "unreachable-start",
+            Verdict.RISK,
+            f"robots do not reach their initial conditions: {error.message}",
+            "place them farther from walls and from each other",
+            line=error.line,
+            file=error.file,
+        )
+
+
+def _starts_in_collision(ideal: Outcome) -> bool:
+    """Whether the initial conditions themselves are the first collision."""
+    first = _first(ideal, "collision")
+    gap = testbed.SPACING if ideal.initial_gap is None else ideal.initial_gap.metres
+    return first is not None and first.time == 0.0 and ties.short_of(gap, testbed.SPACING)
+
+
+@dataclass(frozen=True)
+class _First:
+    """When and with whom a kind of fault began, and its worst value in the run."""
+
+    time: float
+    robots: tuple[int, ...]
+    worst: float
+
+
+def _first(outcome: Outcome, kind: str) -> _First | None:
+    faults = outcome.faults(kind)
+    if not faults:
+        return None
+    pick = min if kind == "collision" else max
+    return _First(faults[0].start, faults[0].robots, pick(fault.worst for fault in faults))

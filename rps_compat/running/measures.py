@@ -1,0 +1,119 @@
+"""What is measured of a run, step by step: gaps, loop times, silence, and how far it is.
+
+Each part is told of a step inside the script's ``step()``, before the robots move.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from barrier_certificates.ties import beyond, first_smallest, short_of
+from rps_compat.arena import Arena
+from rps_compat.clock import SimulatedClock
+from rps_compat.running.outcome import Gap, LoopTimes, Silence
+
+
+class Measures:
+    """Measures one run; as the pace of every Robotarium it lets each step's time pass, too.
+
+    Parameters
+    ----------
+    clock
+        Charges the script for what it computes.
+
+    Attributes
+    ----------
+    seconds
+        Of the run so far, by the clock.
+    smallest_gap, initial_gap, wall_gap
+        See `Outcome`; None before anything was measured.
+    """
+
+    def __init__(self, clock: SimulatedClock) -> None:
+        self.clock = clock
+        self.seconds = 0.0
+        self.smallest_gap: Gap | None = None
+        self.initial_gap: Gap | None = None
+        self.wall_gap: Gap | None = None
+        self._arenas = 0
+        self._loops: list[float] = []
+        self._silent = Silence(0.0, 0.0)
+        self._silence = 0.0
+        self._left = 0.0
+        self._begun = False
+        self._time_step = 0.0
+
+    def created(self, arena: Arena) -> None:
+        """Take note of a Robotarium that the script made."""
+        self._arenas += 1
+        if self._arenas == 1:
+            self.measure(0.0, arena)
+            self.initial_gap = self.smallest_gap
+        self.clock.resume()
+
+    def step(self, time: float, arena: Arena) -> None:
+        """Take note of a step."""
+        self._time_step = arena.robot.time_step
+        spent = self.clock.spent()
+        if self._begun:
+            self._loops.append(spent)
+        self._begun = True
+        self.clock.resume()
+        self._left = max(self._time_step - spent, 0.0)
+        self.seconds += spent + self._left
+        self.measure(time, arena)
+        self._hear(time, arena)
+
+    def after_step(self, time_step: float) -> None:
+        """Let the step's time pass; the simulator's own work is not the script's."""
+        self.clock.advance(self._left)
+
+    def measure(self, time: float, arena: Any) -> None:
+        """Measure the gaps between robots, and to the walls."""
+        poses = arena.poses
+        points = poses[0] + 1j * poses[1]
+        if points.size > 1:
+            gaps = np.abs(points[:, None] - points) + np.diag(np.full(points.size, np.inf))
+            k = first_smallest(gaps.flat)
+            if self.smallest_gap is None or short_of(gaps.flat[k], self.smallest_gap.metres):
+                self.smallest_gap = Gap(float(gaps.flat[k]), time, divmod(int(k), points.size))
+        x_min, x_max, y_min, y_max = arena.robot.boundaries
+        wall = np.minimum.reduce([poses[0] - x_min, x_max - poses[0], poses[1] - y_min])
+        wall = np.minimum(wall, y_max - poses[1])
+        robot = first_smallest(wall)
+        if self.wall_gap is None or short_of(wall[robot], self.wall_gap.metres):
+            self.wall_gap = Gap(float(wall[robot]), time, (int(robot),))
+
+    def _hear(self, time: float, arena: Arena) -> None:
+        """Count how long the robots drive on without a new command."""
+        if arena.is_commanded or not np.abs(arena.velocities).max(initial=0.0) > 0:
+            self._silence = 0.0
+        else:
+            self._silence += arena.robot.time_step
+            if beyond(self._silence, self._silent.seconds):
+                self._silent = Silence(self._silence, time)
+
+    def results(self) -> dict[str, Any]:
+        """Return what was measured, by its name in `Outcome`."""
+        return {
+            "clock": self.seconds,
+            "loop": self._loop_times(),
+            "silence": self._silent,
+            "smallest_gap": self.smallest_gap,
+            "initial_gap": self.initial_gap,
+            "wall_gap": self.wall_gap,
+        }
+
+    def _loop_times(self) -> LoopTimes | None:
+        if not self._loops:
+            return None
+        loops = np.array(self._loops)
+        return LoopTimes(
+            p50=float(np.quantile(loops, 0.5)),
+            p99=float(np.quantile(loops, 0.99)),
+            longest=float(loops.max()),
+            late=float(np.mean(loops > self._time_step)),
+            at=(int(loops.argmax()) + 1) * self._time_step,
+        )
