@@ -1,7 +1,7 @@
 """The real testbed as data: its robots, what it accepts, where its limits are.
 
-The constants of both generations stand here and nowhere else: the two faces of the API, the arena,
-and everything that judges a log or a submission take them from here.  They were read in the
+The arena, and everything that judges a log or a submission, take the constants of both generations
+from here; the two faces of the API publish them under names of their own.  They were read in the
 Robotarium's published guide, simulators and firmware, and in logs that users published in 2026.
 What is installed there stands in :mod:`rps_compat.scripts.libraries`.
 """
