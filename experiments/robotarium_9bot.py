@@ -11,7 +11,6 @@ Robotarium package is installed and ours stands in, summary.json and the figures
 """
 
 import argparse
-import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -28,6 +27,9 @@ except ImportError:
     # Robots stand where they are asked to, so that a seed gives one run to the last byte.
     rps_compat.install(generation=2, session=rps_compat.Session(initial="exact"))
     import rps.robotarium as robotarium
+
+    # Judging and drawing is for the laptop: of it nothing goes to the testbed.
+    from posflock_robotarium.report.nine_robots import report_experiment
 
     STAND_IN = True
 
@@ -93,7 +95,7 @@ def main() -> None:
             print(f"interrupted: the {log.rows} steps until then are in {log.path}")
     getattr(r, "debug" if hasattr(r, "debug") else "call_at_scripts_end")()
     if STAND_IN:
-        report(log.path)
+        report_experiment(log.path)
 
 
 def flock_in(constants: dict[str, Any], walls: str, certificate: UnicycleCertificate) -> Flock:
@@ -111,20 +113,6 @@ def run(r: Any, flock: Flock, log: PoseLog, steps: int) -> None:
         r.set_velocities(np.arange(ROBOTS), decision.command)
         log.append(step * flock.time_step, poses, **decision.logged())
         r.step()
-
-
-def report(path: Path) -> None:
-    """Summarise and draw the run; for a log from the testbed, ``posflock report`` does."""
-    from posflock_robotarium.alignment.summary import summarise
-    from posflock_robotarium.figures.experiment import draw_run
-    from posflock_robotarium.logs.readers import read
-
-    log = read(path)
-    summary = summarise(log)
-    (path.parent / "summary.json").write_text(json.dumps(summary.as_dict(), indent=1) + "\n")
-    print(summary)
-    for drawn in draw_run(log, path.parent):
-        print(f"wrote {drawn}")
 
 
 def parse_options() -> argparse.Namespace:

@@ -22,7 +22,6 @@ from rps_compat.runner import run_script
 from rps_compat.session import Session
 
 COMMON = """
-import numpy as np
 from rps.robotarium import Robotarium
 
 def drive(steps, apart=0.5, speed=0.1, crash=None):
@@ -90,7 +89,7 @@ if __name__ == "__main__":
 
 def notes_on_children(data):
     """The notes of a run without those on its time."""
-    return [n for n in data["notes"] if "in real time" not in n and "s on the testbed" not in n]
+    return [n for n in data["notes"] if "in real time" not in n and "ends every run" not in n]
 
 
 @pytest.mark.parametrize("method", ["fork", "spawn", "forkserver"])
@@ -195,7 +194,7 @@ def test_every_end_of_a_child_leaves_all_that_it_did(run, tmp_path):
         report, log = by_process[process], read_pose_log(tmp_path / "out" / f"poses-{process}.npy")
         assert log.parameters["ended"]["how"] == "running"
         assert report["steps"] >= 500
-        assert len(log.t) == report["steps"]
+        assert len(log.t) - report["steps"] in (0, 1), "it may be killed between log and record"
         # Nothing is lost: too close from the first step to the last, and all of them too fast.
         assert report["steps_too_close"] == report["steps_over_actuator_limits"] == report["steps"]
         collision = next(f for f in report["faults"] if f["kind"] == "collision")
@@ -215,10 +214,10 @@ def test_every_end_of_a_child_leaves_all_that_it_did(run, tmp_path):
     # The parent's own log is not written into by its children, and theirs goes on with the row
     # after the fork.
     logs = {
-        p: read_pose_log(tmp_path / "out" / f"poses{p}.npy") for p in ("", "-fork-1", "-fork-1-2")
+        p: np.load(tmp_path / "out" / f"poses{p}.npy")["t"] for p in ("", "-fork-1", "-fork-1-2")
     }
-    assert [len(log.t) for log in logs.values()] == [8, 1, 2]
-    assert logs["-fork-1"].t[0] == pytest.approx(7 * 0.033)
+    assert [np.isfinite(times).sum() for times in logs.values()] == [8, 1, 2]
+    assert logs["-fork-1"][0] == pytest.approx(7 * 0.033)
     assert "rps_compat" not in done.stderr, "tracebacks are the script's own"
     assert not list(Path("/tmp").glob("posflock-run-*/fork-1.process"))
 

@@ -96,7 +96,7 @@ def robotaria():
     """One instance of each generation, with its figure."""
     made = {}
     for api in (1, 2):
-        rps_compat.install(api=api)
+        rps_compat.install(generation=api)
         try:
             from rps.robotarium import Robotarium
 

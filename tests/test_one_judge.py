@@ -33,7 +33,7 @@ IN_ANOTHER_ARENA = f"""
 import runpy, sys
 import numpy as np
 import rps_compat
-rps_compat.install(api=2, session=rps_compat.Session(initial="exact"))
+rps_compat.install(generation=2, session=rps_compat.Session(initial="exact"))
 from rps.robotarium import Robotarium
 Robotarium.BOUNDARIES = np.array({ARENA})
 Robotarium.BASE_LENGTH, Robotarium.WHEEL_RADIUS = 0.15, 0.02

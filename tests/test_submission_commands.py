@@ -1,6 +1,7 @@
 """The commands around a submission: exit codes, files, JSON, and errors in one line."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -121,7 +122,7 @@ def test_one_file_is_one_file_and_warnings_are_told(tmp_path):
 
 def test_a_log_becomes_a_profile_and_is_overlaid_with_it(tmp_path):
     log, truth = simulated_testbed(1, robots=3, rows=900)
-    log.metadata["neighbour_radius"] = 0.75
+    log = replace(log, parameters={**log.parameters, "neighbour_radius": 0.75})
     path = write_pose_log(log, tmp_path / "returned")
     done = run("calibrate", path, "-o", tmp_path / "lab.toml", "--json")
     assert done.exit_code == 0

@@ -29,7 +29,8 @@ def run_of(file: Path, rows: NDArray[Any]) -> Run:
     robots = rows["pose"].shape[2]
     if rows.dtype.fields is None or rows["command"].shape[1:] != (2, robots):
         raise LogError(f"{file}: {robots} robots and commands of shape {rows['command'].shape[1:]}")
-    t = floats(rows["t"], str(file))
+    # A copy: the file may be that of a run that still goes on, and grow while it is read.
+    t = floats(np.array(rows["t"]), str(file))
     empty = np.flatnonzero(np.isnan(t))
     reached = int(empty[0]) if empty.size else len(t)
     if reached < len(t) and not np.isnan(t[reached:]).all():
