@@ -22,6 +22,7 @@ from rps_compat.runner import run_script
 from rps_compat.session import Session
 
 COMMON = """
+import numpy as np
 from rps.robotarium import Robotarium
 
 def drive(steps, apart=0.5, speed=0.1, crash=None):

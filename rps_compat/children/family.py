@@ -229,7 +229,10 @@ class Family:
             return
         self._ended = True
         self._recording.close(how, reason)
-        (self._room / f"{self._name.text}.end").write_text(json.dumps([how, reason]), "utf-8")
+        # Whole or not there: this process may be killed while it writes.
+        written = self._room / f"{self._name.text}.ending"
+        written.write_text(json.dumps([how, reason]), "utf-8")
+        written.replace(written.with_suffix(".end"))
 
     def leave(self, how: str, reason: str, exit_code: int) -> NoReturn:
         """End a fork of the script's process that has come to the script's end, as Python would."""
