@@ -128,8 +128,10 @@ def certify(
     Warns
     -----
     UserWarning
-        No command satisfies all rows; what is returned breaks them as little as possible. Or: this
-        is the certificate's first call, and something is nearer already than it would let it come.
+        No command satisfies all rows; what is returned breaks them as little as possible.
+    RuntimeWarning
+        This is the certificate's first call, and something is nearer already than it would let it
+        come. The published certificates are silent there.
     """
     points = () if obstacles is None else obstacles.T
     safe, info = certificate(commands, states, [Disc((x, y), 0.0) for x, y in points])
@@ -137,6 +139,7 @@ def certify(
         warnings.warn(
             f"the first call of a certificate finds {info.nearest} {1e3 * -info.clearance:.3g} mm "
             "nearer already than it lets them come: it guarantees nothing until they are apart",
+            category=RuntimeWarning,
             stacklevel=3,
         )
     if info.status in ("relaxed", "failed"):

@@ -343,7 +343,9 @@ def test_robots_that_overlap_part_with_a_warning_or_an_answer(create, generation
 def test_the_first_call_says_what_starts_unsafe():
     certificate = second.create_si_barrier_certificate(safety_radius=0.2)
     near = np.array([[0.0, 0.15], [0.0, 0.0]])
-    with pytest.warns(UserWarning, match=r"finds robots 0 and 1 50 mm nearer already than it lets"):
+    with pytest.warns(
+        RuntimeWarning, match=r"finds robots 0 and 1 50 mm nearer already than it lets"
+    ):
         certificate(np.zeros((2, 2)), near)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
