@@ -138,7 +138,7 @@ def test_a_killed_run_keeps_every_step_before(tmp_path, short_run):
         time.sleep(0.05)
         # The description is written once the rows have their room.
         begun = (tmp_path / "nine_robots.json").exists()
-        if begun and len(read_pose_log(tmp_path / "nine_robots").t) > 300:
+        if begun and np.isfinite(np.load(tmp_path / "nine_robots.npy")["t"]).sum() > 300:
             break
     os.kill(child.pid, signal.SIGKILL)
     child.communicate()
