@@ -210,10 +210,10 @@ def _room_for(targets: Array, robot: RobotModel) -> tuple[float, float, float, f
     x_min, x_max, y_min, y_max = robot.boundaries
     x, y, _ = targets
     return (
-        min(x_min, float(x.min(initial=x_min))),
-        max(x_max, float(x.max(initial=x_max))),
-        min(y_min, float(y.min(initial=y_min))),
-        max(y_max, float(y.max(initial=y_max))),
+        float(x.min(initial=x_min)),
+        float(x.max(initial=x_max)),
+        float(y.min(initial=y_min)),
+        float(y.max(initial=y_max)),
     )
 
 

@@ -19,6 +19,7 @@ from rps_compat.generations import Generation
 from rps_compat.install import install, installed, uninstall
 from rps_compat.own_imports import HiddenNames, KeptApart
 from rps_compat.own_imports.whose import is_environments_module
+from rps_compat.repeatable import seed_global_generators
 from rps_compat.scripts.libraries import shadowed_by
 
 #: Files that hide something beyond this many are counted only.
@@ -61,8 +62,7 @@ def process_state(
     sys.dont_write_bytecode = True  # the script's folder is not ours to write to
     install(generation)
     if seed is not None:
-        random.seed(seed)
-        np.random.seed(seed % 2**32)  # noqa: NPY002 - what scripts draw from
+        seed_global_generators(seed)
     try:
         apart = KeptApart(str(script.parent)) if keeps_apart else contextlib.nullcontext()
         with apart as names:

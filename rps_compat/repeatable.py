@@ -45,6 +45,12 @@ def _seed_numpy(seed: Any = None) -> None:
     _numpy_seed(_or_drawn(seed, 32))
 
 
+def seed_global_generators(seed: int) -> None:
+    """Seed Python's and numpy's global generators, which scripts draw from."""
+    random.seed(seed)
+    np.random.seed(seed % 2**32)  # noqa: NPY002
+
+
 def _drawn(bits: int) -> int:
     return _randbits(bits) if _stream is None else _stream.getrandbits(bits)
 

@@ -5,10 +5,11 @@ that each generation prints at the end of a script, and plain data for JSON.
 """
 
 from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from typing import Any
 
 from barrier_certificates.ties import beyond
 from rps_compat.arena import Arena
+from rps_compat.generations import Generation
 from rps_compat.testbed import MAX_DURATION, MAX_ROBOTS
 from rps_compat.violations import Violations
 
@@ -126,7 +127,7 @@ class RunReport:
         """Return the report as plain data, ready for JSON."""
         return {**asdict(self), "clean": self.clean}
 
-    def text(self, generation: Literal[1, 2]) -> str:
+    def text(self, generation: Generation) -> str:
         """Return what `generation` prints at the end of a script, line breaks included."""
         return self._text1() if generation == 1 else self._text2()
 

@@ -36,6 +36,8 @@ ENDINGS = (
     ".py .m .mat .npy .jpg .jpeg .png .gif .tiff .bmp .mexa64".split()  # noqa: SIM905
 )
 
+#: Size of a robot's body along and across its heading, as it is drawn, metres.
+ROBOT_LENGTH, ROBOT_WIDTH = 0.10, 0.11
 MAX_ROBOTS = 20
 #: Seconds after which any experiment ends.
 MAX_DURATION = 900.0

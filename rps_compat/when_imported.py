@@ -12,7 +12,8 @@ import importlib.machinery
 import sys
 from collections.abc import Callable, Collection, Iterator, Sequence
 from types import ModuleType
-from typing import Any
+
+from rps_compat.own_imports.loading import after_loading
 
 
 class _Listener(importlib.abc.MetaPathFinder):
@@ -28,21 +29,9 @@ class _Listener(importlib.abc.MetaPathFinder):
             return None
         for finder in sys.meta_path[sys.meta_path.index(self) + 1 :]:
             if spec := finder.find_spec(fullname, path, target):
-                if spec.loader is not None:
-                    self._listen(spec.loader)
+                after_loading(spec.loader, self._then)
                 return spec
         return None
-
-    def _listen(self, loader: Any) -> None:
-        execute = getattr(loader, "exec_module", None)
-        if execute is None or isinstance(loader, type):  # Python's own, of all its modules
-            return
-
-        def exec_module(module: ModuleType) -> None:
-            execute(module)
-            self._then(module)
-
-        loader.exec_module = exec_module
 
 
 @contextlib.contextmanager

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from posflock_robotarium.alignment.analysis import AnalysisOptions, analyse
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.logs.readers import Run
+from rps_compat.testbed import TIME_STEP
 
 Floats = NDArray[np.float64]
 
@@ -34,7 +35,6 @@ POSITION_NOISE = 0.0005
 HEADING_NOISE = 0.0015
 """Radians."""
 
-STEP = 0.033
 EVERYBODY = 100.0
 """Neighbour radius in metres that makes every robot a neighbour of every other."""
 
@@ -91,7 +91,7 @@ def known_flock(
     if robots < 4 or robots % 2:
         raise ParameterError(f"{robots} robots; expected an even number, at least 4")
     rng = np.random.default_rng(seed)
-    t: Floats = STEP * np.arange(round(duration / STEP), dtype=float)
+    t: Floats = TIME_STEP * np.arange(round(duration / TIME_STEP), dtype=float)
     start = rng.uniform(-1.0, 1.0, (2, robots))
     radius = EVERYBODY
     if motion == "rotating":

@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from rps_compat.testbed import MAX_DURATION
+
 
 def bundle(
     script: Annotated[Path, typer.Argument(help="The experiment's main file.", show_default=False)],
@@ -85,7 +87,7 @@ def rehearse(
     ] = Path("rehearsal"),
     duration: Annotated[
         float, typer.Option("--duration", "-d", help="Declared duration, seconds.")
-    ] = 900.0,
+    ] = MAX_DURATION,
     profile: Annotated[
         str, typer.Option(help="Imperfections: ideal, gritsbot_x, harsh, or a TOML file.")
     ] = "gritsbot_x",

@@ -21,10 +21,10 @@ from posflock_robotarium.figures.style import (
     new_figure,
     save,
 )
-from posflock_robotarium.flocking.constants_on_board import ROBOT_LENGTH, ROBOT_WIDTH
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.flocking.flock import WALLS
 from posflock_robotarium.logs.run import Run
+from rps_compat.testbed import ROBOT_LENGTH, ROBOT_WIDTH
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -10,9 +10,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-#: Size of a robot's body along and across its heading, as it is drawn, metres.
-ROBOT_LENGTH, ROBOT_WIDTH = 0.10, 0.11
-
 #: Names of generation 1; those of generation 2 are the same in capitals.
 NAMES = (
     "wheel_radius",

@@ -17,10 +17,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from posflock_robotarium.flocking.constants_on_board import ROBOT_LENGTH, ROBOT_WIDTH
 from posflock_robotarium.flocking.errors import OutputError, ParameterError
 from posflock_robotarium.flocking.pose_log import PoseLog
 from posflock_robotarium.logs.readers import Run, named_arrays, parameters
+from rps_compat.testbed import ROBOT_LENGTH, ROBOT_WIDTH
 
 Floats = NDArray[np.float64]
 

@@ -18,10 +18,9 @@ from numpy.typing import NDArray
 
 from barrier_certificates.ties import TIE
 from posflock_robotarium.figures.style import BLUE, GREY
-from posflock_robotarium.flocking.constants_on_board import ROBOT_LENGTH, ROBOT_WIDTH
 from posflock_robotarium.flocking.errors import OutputError, ParameterError
 from posflock_robotarium.logs.readers import Run
-from rps_compat.testbed import GTERNAL, RobotModel
+from rps_compat.testbed import GTERNAL, ROBOT_LENGTH, ROBOT_WIDTH, RobotModel
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture

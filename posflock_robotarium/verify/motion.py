@@ -33,7 +33,7 @@ def judge_collisions(ideal: Outcome, trials: Sequence[Outcome]) -> Iterator[Find
             unit="m between collision points",
         )
         return
-    yield from _proportion("collision", trials, advice, "robots collide", "collision")
+    yield from _proportion("collision", trials, advice, "robots collide")
 
 
 def judge_boundary(ideal: Outcome, trials: Sequence[Outcome]) -> Iterator[Finding]:
@@ -53,15 +53,13 @@ def judge_boundary(ideal: Outcome, trials: Sequence[Outcome]) -> Iterator[Findin
             unit="m outside",
         )
         return
-    yield from _proportion("boundary", trials, advice, "robots leave the arena", "boundary")
+    yield from _proportion("boundary", trials, advice, "robots leave the arena")
 
 
-def _proportion(
-    code: str, trials: Sequence[Outcome], advice: str, words: str, kind: str
-) -> Iterator[Finding]:
+def _proportion(code: str, trials: Sequence[Outcome], advice: str, words: str) -> Iterator[Finding]:
     """Tell of a fault that imperfections bring out."""
     ran = [outcome for outcome in trials if outcome.steps]
-    hit = [(outcome, first) for outcome in ran if (first := _first(outcome, kind))]
+    hit = [(outcome, first) for outcome in ran if (first := _first(outcome, code))]
     if not hit:
         return
     low, high = wilson_interval(len(hit), len(ran))
@@ -87,7 +85,7 @@ def judge_wheels(ideal: Outcome) -> Iterator[Finding]:
     first, report = _first(ideal, "actuator"), ideal.report
     if not first or report is None:
         return
-    limit = 12.5
+    limit = testbed.GTERNAL.max_wheel_velocity
     steps, fastest = report.steps_over_actuator_limits, report.largest_wheel_velocity
     many = steps > testbed.TOLERATED_VIOLATIONS
     yield Finding(

@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from rps_compat.repeatable import restart
+from rps_compat.repeatable import restart, seed_global_generators
 
 
 @dataclass(frozen=True)
@@ -134,8 +134,7 @@ def seed_generators(seed: int | None, entropy: tuple[int, ...] = ()) -> None:
         return
     restart(seed, entropy)
     if not entropy:
-        random.seed(seed)
-        np.random.seed(seed % 2**32)  # noqa: NPY002 - what scripts draw from
+        seed_global_generators(seed)
         return
     state = np.random.SeedSequence([seed, *entropy]).generate_state(4)
     random.seed(state.tobytes())

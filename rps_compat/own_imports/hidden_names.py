@@ -6,6 +6,7 @@ import sys
 from _frozen_importlib_external import PathFinder
 from _imp import is_frozen
 
+from rps_compat.own_imports.loading import after_loading
 from rps_compat.own_imports.script_modules import ScriptModules
 from rps_compat.own_imports.watched_path import WatchedPath
 from rps_compat.own_imports.whose import (
@@ -201,14 +202,8 @@ class HiddenNames:
                 return None
             self._claim(name)
         spec = find_environments(name)
-        if spec is not None and spec.loader is not None:
-            loader, run = spec.loader, spec.loader.exec_module
-
-            def exec_module(module: "ModuleType") -> None:
-                run(module)
-                self._lend(name)
-
-            loader.exec_module = exec_module
+        if spec is not None:
+            after_loading(spec.loader, lambda module: self._lend(name))
         return spec
 
     def _lend(self, name: str) -> None:

@@ -18,7 +18,7 @@ from rps_compat.initial import checked_poses, drawn_poses, drive_to, first_poses
 from rps_compat.lazy import LazyModule
 from rps_compat.pace import pace_of
 from rps_compat.report import MESSAGES
-from rps_compat.testbed import RobotModel
+from rps_compat.testbed import GRITSBOT_X, RobotModel
 from rps_compat.v1.drawing import GritsbotPatches
 from rps_compat.v1.sensing import Sensing
 from rps_compat.wrong_generation import refuse, refuse_new_arguments
@@ -85,18 +85,18 @@ class RobotariumABC(Sensing, ABC):
         self.sim_in_real_time = sim_in_real_time
 
         # Constants of the testbed. Scripts read them, and some change them: every step obeys.
-        self.time_step = 0.033
+        self.time_step = GRITSBOT_X.time_step
         self.robot_diameter = 0.11
         self.robot_length = 0.095
         self.robot_width = 0.09
         self.robot_radius = self.robot_diameter / 2
-        self.wheel_radius = 0.016
-        self.base_length = 0.105
+        self.wheel_radius = GRITSBOT_X.wheel_radius
+        self.base_length = GRITSBOT_X.base_length
         self.max_linear_velocity = 0.2
         self.max_angular_velocity = 2 * (self.wheel_radius / self.robot_diameter) * (0.2 / 0.016)
         self.max_wheel_velocity = self.max_linear_velocity / self.wheel_radius
-        self.collision_offset = 0.025
-        self.collision_diameter = 0.135
+        self.collision_offset = GRITSBOT_X.collision_offset
+        self.collision_diameter = GRITSBOT_X.collision_diameter
         self.boundaries: list[float] = [-1.6, -1, 3.2, 2]
 
         self._called_step_already = True

@@ -21,7 +21,7 @@ from rps_compat.initial import checked_poses, drawn_poses, first_poses
 from rps_compat.lazy import LazyModule
 from rps_compat.pace import pace_of
 from rps_compat.sensors import ray_ends
-from rps_compat.testbed import RobotModel
+from rps_compat.testbed import GTERNAL, RobotModel
 from rps_compat.v2.drawing import GternalDrawing
 from rps_compat.v2.patch_creation.gternal_patch import GTERNALRobotPatch, gternal_patch
 from rps_compat.v2.sensor_suite import SensorSuite
@@ -131,17 +131,17 @@ class ARobotarium(ABC):
         What is wrong with the arguments, and what was expected.
     """
 
-    TIME_STEP = 0.033
+    TIME_STEP = GTERNAL.time_step
     MAX_LINEAR_VELOCITY = 0.2
     ROBOT_DIAMETER = 0.11
-    WHEEL_RADIUS = 0.016
-    BASE_LENGTH = 0.11
-    MAX_WHEEL_VELOCITY = 12.5
+    WHEEL_RADIUS = GTERNAL.wheel_radius
+    BASE_LENGTH = GTERNAL.base_length
+    MAX_WHEEL_VELOCITY = GTERNAL.max_wheel_velocity
     MAX_ANGULAR_VELOCITY = 2 * (WHEEL_RADIUS / ROBOT_DIAMETER) * MAX_WHEEL_VELOCITY
     CENTER_OFFSET = 0.01
-    COLLISION_OFFSET = 0.025
-    COLLISION_DIAMETER = 0.135
-    BOUNDARIES: Array = np.array([-1.6, 1.6, -1.0, 1.0])
+    COLLISION_OFFSET = GTERNAL.collision_offset
+    COLLISION_DIAMETER = GTERNAL.collision_diameter
+    BOUNDARIES: Array = np.array(GTERNAL.boundaries)
 
     ENCODER_COUNTS_PER_REVOLUTION = 28
     MOTOR_GEAR_RATIO = 100.37

@@ -19,6 +19,7 @@ from rps_compat.arguments import matrix as require_matrix
 from rps_compat.certificates import PointsAhead
 from rps_compat.deferred import comb, matrix, qp, sparse
 from rps_compat.kinematics import HALF_TURN, Array
+from rps_compat.testbed import GRITSBOT_X
 from rps_compat.v1.utilities.transformations import (
     create_si_to_uni_dynamics,
     create_si_to_uni_dynamics_with_backwards_motion,
@@ -51,7 +52,7 @@ __all__ = [
 
 Filter = Callable[[Array, Array], Array]
 
-ARENA = np.array([-1.6, 1.6, -1.0, 1.0])
+ARENA = np.array(GRITSBOT_X.boundaries)
 
 #: Robots are 11 cm wide, so a smaller radius keeps nobody apart.
 SMALLEST_RADIUS = 0.12

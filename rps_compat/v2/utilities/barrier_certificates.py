@@ -20,6 +20,7 @@ from rps_compat.arguments import matrix as require_matrix
 from rps_compat.certificates import NotFiniteError, PointsAhead
 from rps_compat.deferred import matrix, qp, sparse
 from rps_compat.kinematics import Array
+from rps_compat.testbed import GTERNAL
 from rps_compat.v2.utilities.transformations import (
     create_si_to_uni_mapping,
     create_uni_to_si_mapping,
@@ -43,7 +44,7 @@ __all__ = [
 Filter = Callable[[Array, Array], Array]
 
 #: Walls where none are given: the arena for unicycles, and 10 cm around it for single integrators.
-ARENA = (-1.6, 1.6, -1.0, 1.0)
+ARENA = GTERNAL.boundaries
 AROUND_ARENA = (-1.7, 1.7, -1.1, 1.1)
 
 

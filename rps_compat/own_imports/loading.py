@@ -1,0 +1,24 @@
+"""Hearing of it when a module has been loaded."""
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from types import ModuleType
+    from typing import Any
+
+
+def after_loading(loader: "Any", then: "Callable[[ModuleType], Any]") -> None:
+    """Call `then` with the module that `loader` has loaded.
+
+    Loaders that are classes, Python's own of what is built in, serve all modules and stay as they
+    are.
+    """
+    execute = getattr(loader, "exec_module", None)
+    if execute is None or isinstance(loader, type):
+        return
+
+    def exec_module(module: "ModuleType") -> None:
+        execute(module)
+        then(module)
+
+    loader.exec_module = exec_module
