@@ -33,6 +33,7 @@ from barrier_certificates.ties import TIE
 from rps_compat.errors import CommandError
 from rps_compat.testbed import GRITSBOT_X, RobotModel
 from rps_compat.violations import Violations
+from rps_compat.walls import wall_distances
 
 Array = NDArray[np.float64]
 
@@ -293,9 +294,7 @@ class Arena:
             or y[y.argmin()] < y_min
             or y[y.argmax()] > y_max
         ):
-            x_min, x_max, y_min, y_max = self._robot.boundaries
-            beyond = np.maximum.reduce([x_min - x, x - x_max, y_min - y, y - y_max])
-            self.violations.outside(self.steps, beyond)
+            self.violations.outside(self.steps, -wall_distances(self.poses, self._robot.boundaries))
         i, j = self._pairs
         if not len(i):
             return

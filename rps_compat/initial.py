@@ -26,6 +26,7 @@ from rps_compat.errors import InitialConditionsError, UnreachableError
 from rps_compat.kinematics import wrap
 from rps_compat.placement import CrowdedError
 from rps_compat.testbed import RobotModel
+from rps_compat.walls import wall_distances
 
 #: How near the drive brings every robot, as the published simulator: metres and radians.
 POSITION_TOLERANCE, HEADING_TOLERANCE = 0.02, 0.18
@@ -80,9 +81,7 @@ def warn_of_outside(poses: Array, robot: RobotModel) -> None:
     """
     x, y, _ = poses
     x_min, x_max, y_min, y_max = robot.boundaries
-    outside = np.flatnonzero(
-        short_of(x, x_min) | beyond(x, x_max) | short_of(y, y_min) | beyond(y, y_max)
-    )
+    outside = np.flatnonzero(short_of(wall_distances(poses, robot.boundaries), 0.0))
     if outside.size:
         where = ", ".join(f"robot {k} at ({x[k]:g}, {y[k]:g})" for k in outside)
         warnings.warn(

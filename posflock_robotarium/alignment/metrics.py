@@ -34,6 +34,7 @@ from posflock_robotarium.freespace.neighbour_search import (
     nearest_distances,
     neighbour_pairs,
 )
+from rps_compat.walls import wall_distances
 
 Floats = NDArray[np.float64]
 
@@ -191,9 +192,7 @@ def wall_distance(positions: ArrayLike, arena: tuple[float, float, float, float]
         Least x, greatest x, least y, greatest y in metres.
     """
     p = _states(positions, "positions")
-    x, y = p[..., 0, :], p[..., 1, :]
-    to_walls = np.stack([x - arena[0], arena[1] - x, y - arena[2], arena[3] - y])
-    return np.asarray(to_walls.min(axis=(0, -1)))
+    return np.asarray(wall_distances(p, arena).min(axis=-1))
 
 
 def fastest_wheel(commands: ArrayLike, wheel_radius: float, base_length: float) -> Floats:

@@ -15,7 +15,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from rps_compat.bridges import dropped_names, one_element_conversions
 from rps_compat.children.family import Family
@@ -310,17 +310,17 @@ class _Run:
             seed=plan.seed,
             profile=plan.profile_name,
             policy_violations=tuple(self.guard.violations),
-            **self._measured(),
         )
+        outcome = self._measured(outcome)
         return outcome if self.out is None else _written(outcome, self.out)
 
-    def _measured(self) -> dict[str, Any]:
+    def _measured(self, outcome: Outcome) -> Outcome:
         arenas = self.recording.arenas
-        found: dict[str, Any] = {"time": arenas[-1].time if arenas else 0.0}
+        outcome = replace(outcome, time=arenas[-1].time if arenas else 0.0)
         if self.measures is None:
-            return found | {"steps": sum(arena.steps for arena in arenas)}
-        counted = {"steps": self.schedule.steps, "finishing_call": self.schedule.finished}
-        return found | counted | self.measures.results()
+            return replace(outcome, steps=sum(arena.steps for arena in arenas))
+        told = self.measures.told_in(outcome)
+        return replace(told, steps=self.schedule.steps, finishing_call=self.schedule.finished)
 
 
 def _written(outcome: Outcome, out: Path) -> Outcome:

@@ -5,6 +5,7 @@ Each part is told of a step inside the script's ``step()``, before the robots mo
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,8 @@ import numpy as np
 from barrier_certificates.ties import beyond, first_smallest, short_of
 from rps_compat.arena import Arena
 from rps_compat.clock import SimulatedClock
-from rps_compat.running.outcome import Gap, LoopTimes, Silence
+from rps_compat.running.outcome import Gap, LoopTimes, Outcome, Silence
+from rps_compat.walls import wall_distances
 
 
 class Measures:
@@ -79,9 +81,7 @@ class Measures:
             k = first_smallest(gaps.flat)
             if self.smallest_gap is None or short_of(gaps.flat[k], self.smallest_gap.metres):
                 self.smallest_gap = Gap(float(gaps.flat[k]), time, divmod(int(k), points.size))
-        x_min, x_max, y_min, y_max = arena.robot.boundaries
-        wall = np.minimum.reduce([poses[0] - x_min, x_max - poses[0], poses[1] - y_min])
-        wall = np.minimum(wall, y_max - poses[1])
+        wall = wall_distances(poses, arena.robot.boundaries)
         robot = first_smallest(wall)
         if self.wall_gap is None or short_of(wall[robot], self.wall_gap.metres):
             self.wall_gap = Gap(float(wall[robot]), time, (int(robot),))
@@ -95,16 +95,17 @@ class Measures:
             if beyond(self._silence, self._silent.seconds):
                 self._silent = Silence(self._silence, time)
 
-    def results(self) -> dict[str, Any]:
-        """Return what was measured, by its name in `Outcome`."""
-        return {
-            "clock": self.seconds,
-            "loop": self._loop_times(),
-            "silence": self._silent,
-            "smallest_gap": self.smallest_gap,
-            "initial_gap": self.initial_gap,
-            "wall_gap": self.wall_gap,
-        }
+    def told_in(self, outcome: Outcome) -> Outcome:
+        """Return `outcome` with what was measured."""
+        return replace(
+            outcome,
+            clock=self.seconds,
+            loop=self._loop_times(),
+            silence=self._silent,
+            smallest_gap=self.smallest_gap,
+            initial_gap=self.initial_gap,
+            wall_gap=self.wall_gap,
+        )
 
     def _loop_times(self) -> LoopTimes | None:
         if not self._loops:

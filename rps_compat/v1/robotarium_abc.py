@@ -68,37 +68,13 @@ class RobotariumABC(Sensing, ABC):
         use_distance_sensors: bool = False,
         obstacles: Array = np.full((1, 2, 2), np.nan),  # noqa: B008 - the published default
     ) -> None:
-        if not isinstance(number_of_robots, int):
-            raise ConstructorError(
-                f"number_of_robots is {number_of_robots!r} ({type(number_of_robots).__name__}), "
-                "expected an int from 1 to 50"
-            )
-        if not 1 <= number_of_robots <= 50:
-            raise ConstructorError(f"number_of_robots is {number_of_robots}, expected 1 to 50")
-        for name, flag in (("show_figure", show_figure), ("sim_in_real_time", sim_in_real_time)):
-            if not isinstance(flag, bool):
-                raise ConstructorError(f"{name} is {flag!r}, expected True or False")
-
+        _check(number_of_robots, show_figure, sim_in_real_time)
         self.number_of_robots = number_of_robots
         self.show_figure = show_figure
         self.initial_conditions = initial_conditions
         self.sim_in_real_time = sim_in_real_time
 
-        # Constants of the testbed. Scripts read them, and some change them: every step obeys.
-        self.time_step = GRITSBOT_X.time_step
-        self.robot_diameter = 0.11
-        self.robot_length = 0.095
-        self.robot_width = 0.09
-        self.robot_radius = self.robot_diameter / 2
-        self.wheel_radius = GRITSBOT_X.wheel_radius
-        self.base_length = GRITSBOT_X.base_length
-        self.max_linear_velocity = 0.2
-        self.max_angular_velocity = 2 * (self.wheel_radius / self.robot_diameter) * (0.2 / 0.016)
-        self.max_wheel_velocity = self.max_linear_velocity / self.wheel_radius
-        self.collision_offset = GRITSBOT_X.collision_offset
-        self.collision_diameter = GRITSBOT_X.collision_diameter
-        self.boundaries: list[float] = [-1.6, -1, 3.2, 2]
-
+        self._set_constants()
         self._called_step_already = True
         self._checked_poses_already = False
         self._session = session.current()
@@ -126,6 +102,22 @@ class RobotariumABC(Sensing, ABC):
             self._session.created(self)
         if mode == "drive":
             drive_to(self._arena, targets, rng(), self._after_step)
+
+    def _set_constants(self) -> None:
+        # Constants of the testbed. Scripts read them, and some change them: every step obeys.
+        self.time_step = GRITSBOT_X.time_step
+        self.robot_diameter = 0.11
+        self.robot_length = 0.095
+        self.robot_width = 0.09
+        self.robot_radius = self.robot_diameter / 2
+        self.wheel_radius = GRITSBOT_X.wheel_radius
+        self.base_length = GRITSBOT_X.base_length
+        self.max_linear_velocity = 0.2
+        self.max_angular_velocity = 2 * (self.wheel_radius / self.robot_diameter) * (0.2 / 0.016)
+        self.max_wheel_velocity = self.max_linear_velocity / self.wheel_radius
+        self.collision_offset = GRITSBOT_X.collision_offset
+        self.collision_diameter = GRITSBOT_X.collision_diameter
+        self.boundaries: list[float] = [-1.6, -1, 3.2, 2]
 
     def _after_step(self) -> None:
         arena = self._arena
@@ -313,3 +305,17 @@ class RobotariumABC(Sensing, ABC):
     def _validate(self, errors: dict[str, Any] = {}) -> dict[str, Any]:  # noqa: B006 - never changed
         self._obey_constants().check()
         return {**errors, **self._errors}
+
+
+def _check(number_of_robots: Any, show_figure: Any, sim_in_real_time: Any) -> None:
+    """Refuse what no Robotarium can be made of."""
+    if not isinstance(number_of_robots, int):
+        raise ConstructorError(
+            f"number_of_robots is {number_of_robots!r} ({type(number_of_robots).__name__}), "
+            "expected an int from 1 to 50"
+        )
+    if not 1 <= number_of_robots <= 50:
+        raise ConstructorError(f"number_of_robots is {number_of_robots}, expected 1 to 50")
+    for name, flag in (("show_figure", show_figure), ("sim_in_real_time", sim_in_real_time)):
+        if not isinstance(flag, bool):
+            raise ConstructorError(f"{name} is {flag!r}, expected True or False")

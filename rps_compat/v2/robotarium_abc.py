@@ -2,11 +2,8 @@
 
 import math
 import time
-import warnings
 import weakref
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, fields
-from difflib import get_close_matches
 from functools import cache
 from typing import TYPE_CHECKING, Any, Optional
 
@@ -15,15 +12,16 @@ from numpy.typing import NDArray
 
 from rps_compat import session
 from rps_compat.arena import Arena, Array, require_finite
-from rps_compat.errors import CommandError, ConstructorError
+from rps_compat.errors import CommandError
 from rps_compat.figure import ArenaFigure
 from rps_compat.initial import checked_poses, drawn_poses, first_poses
 from rps_compat.lazy import LazyModule
 from rps_compat.pace import pace_of
-from rps_compat.sensors import ray_ends
 from rps_compat.testbed import GTERNAL, RobotModel
+from rps_compat.v2.constructor_options import ConstructorOptions
 from rps_compat.v2.drawing import GternalDrawing
 from rps_compat.v2.patch_creation.gternal_patch import GTERNALRobotPatch, gternal_patch
+from rps_compat.v2.sensor_readings import SensorReadings
 from rps_compat.v2.sensor_suite import SensorSuite
 from rps_compat.wrong_generation import refuse
 
@@ -50,49 +48,6 @@ def __getattr__(name: str) -> Any:
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
-@dataclass
-class _Options:
-    """Arguments of the constructor, which the published API takes as ``**kwargs``."""
-
-    number_of_robots: Any = None
-    show_figure: Any = True
-    sim_in_real_time: Any = True
-    initial_conditions: Any = ()
-    skip_initialization: Any = False
-    use_distance_sensors: Any = False
-    obstacles: Any = None
-    show_arena_boundaries: Any = True
-    show_distance_endpoints: Any = True
-    show_distance_rays: Any = False
-    show_obstacles: Any = True
-    show_robot_patches: Any = True
-
-    @classmethod
-    def of(cls, given: dict[str, Any]) -> "_Options":
-        known = [option.name for option in fields(cls)]
-        for name in given.keys() - set(known):
-            # As published, an unknown name is no error; silence would hide a typing error.
-            near = get_close_matches(name, known, 1)
-            hint = f"; did you mean {near[0]}?" if near else ""
-            warnings.warn(f"Robotarium ignores the argument {name!r}{hint}", stacklevel=4)
-        return cls(**{name: value for name, value in given.items() if name in known})
-
-    def check(self) -> None:
-        robots = self.number_of_robots
-        if robots is None:
-            raise ConstructorError("number_of_robots is missing: Robotarium(number_of_robots=9)")
-        if not isinstance(robots, int | np.integer) or isinstance(robots, bool):
-            raise ConstructorError(
-                f"number_of_robots is {robots!r} ({type(robots).__name__}), expected an int"
-            )
-        if not 1 <= robots <= 50:
-            raise ConstructorError(f"number_of_robots is {robots}, expected 1 to 50")
-        for option in fields(self):
-            value = getattr(self, option.name)
-            if isinstance(option.default, bool) and not isinstance(value, bool):
-                raise ConstructorError(f"{option.name} is {value!r}, expected True or False")
-
-
 #: Artists that exist only where their option is on.
 _SENSOR_ARTISTS = {
     "_distance_endpoint_patches": "show_distance_endpoints",
@@ -100,7 +55,7 @@ _SENSOR_ARTISTS = {
 }
 
 
-class ARobotarium(ABC):
+class ARobotarium(SensorReadings):
     """The parts of a Robotarium that do not depend on where its robots are.
 
     Parameters
@@ -166,7 +121,7 @@ class ARobotarium(ABC):
     DISTANCE_SENSOR_OUTLIER_PROB = 0.014
 
     def __init__(self, **kwargs: Any) -> None:
-        options = _Options.of(kwargs)
+        options = ConstructorOptions.of(kwargs)
         options.check()
         robots = self.number_of_robots = int(options.number_of_robots)
         self.show_figure = options.show_figure
@@ -338,77 +293,6 @@ class ARobotarium(ABC):
     @_velocities.setter
     def _velocities(self, velocities: Array) -> None:
         self._arena.commands = velocities
-
-    @property
-    def _distances(self) -> Array:
-        return self._suite.distances
-
-    @property
-    def _distance_endpoints(self) -> Array:
-        if not self._distance_sensors_enabled:
-            raise AttributeError  # told in words by __getattr__, which Python asks next
-        return self._calculate_endpoints(self._distances)
-
-    @property
-    def _encoders(self) -> Array:
-        return self._suite.encoders
-
-    @property
-    def _accelerations(self) -> Array:
-        return self._suite.accelerations
-
-    @property
-    def _gyros(self) -> Array:
-        return self._suite.gyros
-
-    @property
-    def _magnetic_fields(self) -> Array:
-        return self._suite.magnetic_fields
-
-    @property
-    def _orientations(self) -> Array:
-        return self._suite.orientations
-
-    def get_distances(self) -> Array:
-        """Copy of the distance readings (7, N) in metres.
-
-        −1 where nothing was hit; NaN before the first step and without distance sensors.
-        """
-        return np.array(self._distances)
-
-    def get_distance_endpoints(self) -> Array:
-        """Points (2, 7, N) in metres that the distance sensors read; NaN where nothing was hit.
-
-        Raises
-        ------
-        AttributeError
-            The instance has no distance sensors.
-        """
-        return self._distance_endpoints
-
-    def get_encoders(self) -> NDArray[np.int32]:
-        """Ticks of the wheels since the start, (2, N): left, then right."""
-        return (self._encoders - self._initial_encoders).astype(np.int32)
-
-    def get_accelerations(self) -> Array:
-        """Copy of the accelerations (3, N), m/s²."""
-        return np.array(self._accelerations)
-
-    def get_gyros(self) -> Array:
-        """Copy of the turn rates about the three axes, (3, N), rad/s."""
-        return np.array(self._gyros)
-
-    def get_magnetic_fields(self) -> Array:
-        """Copy of the magnetic fields (3, N) in the robots' frames."""
-        return np.array(self._magnetic_fields)
-
-    def get_orientations(self) -> Array:
-        """Copy of the headings (N,) in degrees, [0, 360)."""
-        return np.array(self._orientations)
-
-    def _calculate_endpoints(self, distances: Array) -> Array:
-        # As published, drawn from the poses: the body's centre offset is left out.
-        return ray_ends(self._poses, distances, self.DISTANCE_SENSORS_ORIENTATION, 0.0)
 
     @property
     def _iteration(self) -> int:

@@ -26,7 +26,7 @@ from rps_compat.v1.utilities.transformations import (
     create_si_to_uni_mapping,
     create_uni_to_si_dynamics,
 )
-from rps_compat.v1.wheel_certificate import WheelFilter, robust_wheels
+from rps_compat.v1.wheel_certificate import RobustWheels, WheelFilter, robust_wheels
 
 __all__ = [
     "comb",
@@ -233,15 +233,17 @@ def create_unicycle_differential_drive_barrier_certificate(
         A parameter is not a number, or zero where robots need an extent.
     """
     return robust_wheels(
-        max_num_obstacle_points,
-        max_num_robots,
-        disturbance,
-        wheel_vel_limit,
-        base_length,
-        wheel_radius,
-        projection_distance,
-        barrier_gain,
-        safety_radius,
+        RobustWheels(
+            max_num_obstacle_points,
+            max_num_robots,
+            disturbance,
+            wheel_vel_limit,
+            base_length,
+            wheel_radius,
+            projection_distance,
+            barrier_gain,
+            safety_radius,
+        ),
         published="differential drive without boundary",
     )
 
@@ -265,16 +267,18 @@ def create_unicycle_differential_drive_barrier_certificate_with_boundary(
     :func:`create_unicycle_differential_drive_barrier_certificate`.
     """
     return robust_wheels(
-        max_num_obstacle_points,
-        max_num_robots,
-        disturbance,
-        wheel_vel_limit,
-        base_length,
-        wheel_radius,
-        projection_distance,
-        barrier_gain,
-        safety_radius,
-        walls=(boundary_points,),
+        RobustWheels(
+            max_num_obstacle_points,
+            max_num_robots,
+            disturbance,
+            wheel_vel_limit,
+            base_length,
+            wheel_radius,
+            projection_distance,
+            barrier_gain,
+            safety_radius,
+            walls=(boundary_points,),
+        )
     )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from rps_compat.deferred import matrix, solvers
 from rps_compat.deferred import quadprog as solver2
 from rps_compat.kinematics import Array
-from rps_compat.v1.wheel_certificate import robust_wheels
+from rps_compat.v1.wheel_certificate import RobustWheels, robust_wheels
 
 __all__ = ["create_robust_barriers", "matrix", "np", "solver2", "solvers", "time"]
 
@@ -32,15 +32,17 @@ def create_robust_barriers(
 create_unicycle_differential_drive_barrier_certificate`.
     """
     certified = robust_wheels(
-        max_num_obstacles,
-        max_num_robots,
-        d,
-        wheel_vel_limit,
-        base_length,
-        wheel_radius,
-        projection_distance,
-        gamma,
-        safety_radius,
+        RobustWheels(
+            max_num_obstacles,
+            max_num_robots,
+            d,
+            wheel_vel_limit,
+            base_length,
+            wheel_radius,
+            projection_distance,
+            gamma,
+            safety_radius,
+        )
     )
 
     def robust_barriers(dxu: Array, x: Array, obstacles: Array) -> Any:

@@ -203,15 +203,7 @@ def create_hybrid_unicycle_pose_controller(
         driving, displaced = Hysteresis(position_error, position_epsilon).approaching(
             distance, allowed
         )
-        # The published controller stumbles over such a robot unless it is the last one.
-        lost = ~driving & displaced
-        if lost[:-1].any():
-            robot = int(np.argmax(lost))
-            raise HysteresisError(
-                f"robot {robot} is {distance[robot]:.3g} m from its goal: beyond position_error="
-                f"{position_error}, yet it does not approach with position_epsilon="
-                f"{position_epsilon}; choose 0 <= position_epsilon <= position_error"
-            )
+        _refuse_lost(~driving & displaced, distance, position_error, position_epsilon)
         velocities = controllers.velocity_to(poses, states, 1, 1, velocity_magnitude_limit)
         commands = drive(velocities, states[:3])
         if driving.all():
@@ -220,6 +212,20 @@ def create_hybrid_unicycle_pose_controller(
         return np.where(driving, commands, turns)
 
     return pose_uni_hybrid_controller
+
+
+def _refuse_lost(lost: Flags, distance: Array, error: float, epsilon: float) -> None:
+    """Refuse robots that neither drive nor turn.
+
+    The published controller stumbles over such a robot unless it is the last one.
+    """
+    if lost[:-1].any():
+        robot = int(np.argmax(lost))
+        raise HysteresisError(
+            f"robot {robot} is {distance[robot]:.3g} m from its goal: beyond position_error="
+            f"{error}, yet it does not approach with position_epsilon={epsilon}; choose "
+            "0 <= position_epsilon <= position_error"
+        )
 
 
 def _flags(approach_state: Array, robots: int) -> Flags:
