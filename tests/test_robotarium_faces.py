@@ -261,9 +261,17 @@ def test_poses_where_no_team_fits_are_refused():
     rps_compat.uninstall()
 
 
-def test_a_drive_that_fails_says_who_is_late(monkeypatch):
-    monkeypatch.setattr("rps_compat.initial.LONGEST_DRIVE", 0.3)
+def test_a_drive_in_which_nobody_comes_nearer_is_given_up():
+    # Back to back, each in the other's way as it turns: there is no way there.
     rps_compat.install(generation=2)
-    with pytest.raises(UnreachableError, match=r"0.3 s of driving, \d of 2 robots .* cm away"):
+    with pytest.raises(UnreachableError, match=r"after [1-3]?\d\d(\.\d)? s of driving, . of 2"):
+        make(2, np.array([[0, 0.1], [0, 0], [np.pi, 0.0]]), skip_initialization=False)
+    rps_compat.uninstall()
+
+
+def test_a_drive_that_fails_says_who_is_late(monkeypatch):
+    monkeypatch.setattr("rps_compat.initial.LONGEST_DRIVE", 0.33)
+    rps_compat.install(generation=2)
+    with pytest.raises(UnreachableError, match=r"0.33 s of driving, \d of 2 robots .* cm away"):
         make(2, skip_initialization=False)
     rps_compat.uninstall()
