@@ -238,6 +238,25 @@ def test_sensors_of_generation_1_read_what_those_of_generation_2_do(robots):
     assert np.abs(r.get_orientations() - np.rad2deg(r.poses[2]) % 360).max() < 3
 
 
+def test_where_sensors_are_read_commands_are_cut_as_in_the_release_that_has_them(robots):
+    r = robots(use_distance_sensors=True)
+    hard = np.array([[-0.05, 0.3], [2 * np.pi, -1.0]])
+    r.get_poses()
+    r.set_velocities([0, 1], hard)
+    np.testing.assert_allclose(r.velocities, [[-0.05, 0.2], [r.max_angular_velocity, -1.0]])
+    assert hard[0, 1] == 0.3
+    r.step()
+    assert r.poses[0, 0] < -0.5  # uncut, both wheels would be at their limit, and it would stand
+    r.get_poses()
+    r.set_velocities(np.array([1]), np.array([[0.1], [0.0]]))
+    np.testing.assert_allclose(r.velocities[:, 1], [0.1, 0.0])
+    with pytest.raises(CommandError, match=r"shape \(2, 3\) for the robots"):
+        r.set_velocities([0, 1], np.zeros((2, 3)))
+    plain = robots()
+    plain.set_velocities([0, 1], hard)
+    assert plain.velocities is hard
+
+
 def test_encoders_count_from_the_start_whenever_they_are_asked_first(robots):
     early, late = robots(), robots()
     early.get_encoders()

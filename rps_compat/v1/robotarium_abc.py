@@ -12,7 +12,7 @@ import numpy as np
 
 from rps_compat import session
 from rps_compat.arena import Arena, Array, require_finite
-from rps_compat.errors import ConstructorError
+from rps_compat.errors import CommandError, ConstructorError
 from rps_compat.figure import ArenaFigure
 from rps_compat.initial import checked_poses, drawn_poses, drive_to, first_poses
 from rps_compat.lazy import LazyModule
@@ -272,18 +272,38 @@ class RobotariumABC(Sensing, ABC):
         ----------
         ids
             Ignored, as by the published simulator: the columns of `velocities` are the robots.
+            Where sensors are read, the robots (M,) that are commanded.
         velocities
-            Forward speeds (m/s) and turn rates (rad/s), (2, N); the array itself is kept.
+            Forward speeds (m/s) and turn rates (rad/s), (2, N); the array itself is kept. Where
+            sensors are read, (2, M), copied, and cut at ``max_linear_velocity`` and
+            ``max_angular_velocity``: so does the release that came with sensors, and a script
+            that turns hard drives another way without.
 
         Raises
         ------
         CommandError
-            A velocity is not finite. A wrong shape is refused by the following ``step``.
+            A velocity is not finite. A wrong shape is refused by the following ``step``; where
+            sensors are read, at once.
         """
         if not isinstance(velocities, np.ndarray) or velocities.dtype.kind != "f":
             velocities = np.asarray(velocities, dtype=float)
         require_finite(velocities)
+        if self._sensors is not None:
+            velocities = self._as_with_sensors(ids, velocities)
         self._arena.commands = velocities
+
+    def _as_with_sensors(self, ids: Any, velocities: Array) -> Array:
+        """Commands (2, N) of all robots, as the release that came with sensors takes some."""
+        limits = np.array([[self.max_linear_velocity], [self.max_angular_velocity]])
+        commands = self._arena.commands.copy()
+        try:
+            commands[:, ids] = np.clip(velocities, -limits, limits)
+        except (IndexError, ValueError) as error:
+            raise CommandError(
+                f"velocities have shape {np.shape(velocities)} for the robots {ids!r}, expected "
+                f"(2, {np.size(ids)}) and robots 0 to {self.number_of_robots - 1}"
+            ) from error
+        return commands
 
     @abstractmethod
     def get_poses(self) -> Array:
