@@ -295,7 +295,7 @@ class RobotariumABC(Sensing, ABC):
     def _as_with_sensors(self, ids: Any, velocities: Array) -> Array:
         """Commands (2, N) of all robots, as the release that came with sensors takes some."""
         limits = np.array([[self.max_linear_velocity], [self.max_angular_velocity]])
-        commands = self._arena.commands.copy()
+        commands: Array = self._arena.commands.copy()
         try:
             commands[:, ids] = np.clip(velocities, -limits, limits)
         except (IndexError, ValueError) as error:
