@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import os
+import runpy
 import subprocess
 import sys
 from pathlib import Path
@@ -14,6 +15,7 @@ from barrier_certificates.differential_drive import DifferentialDrive
 from posflock_robotarium.alignment import metrics
 from posflock_robotarium.alignment.summary import summarise
 from posflock_robotarium.flocking.constants_on_board import constants_of
+from posflock_robotarium.flocking.flock import EXPERIMENT_CERTIFICATE, Flock
 from posflock_robotarium.flocking.pose_log import PoseLog
 from posflock_robotarium.logs.convert import convert
 from posflock_robotarium.logs.readers import read
@@ -180,3 +182,10 @@ def test_the_certificates_robot_is_generation_ones():
     assert fields["wheel_limit"] == GRITSBOT_X.max_wheel_velocity
     assert fields["wheel_radius"] == GRITSBOT_X.wheel_radius
     assert fields["base_length"] == GRITSBOT_X.base_length
+
+
+def test_what_travels_repeats_the_testbeds_constants_rightly():
+    """It travels without `rps_compat`, so it cannot ask there; robots tell it when it flies."""
+    experiment = runpy.run_path(str(ROOT / "experiments/robotarium_9bot.py"), run_name="read")
+    assert experiment["TIME_STEP"] == Flock().time_step == GRITSBOT_X.time_step
+    assert EXPERIMENT_CERTIFICATE.boundary == GRITSBOT_X.boundaries == GTERNAL.boundaries
