@@ -48,3 +48,22 @@ def test_docstring_examples_are_true(name, tmp_path, monkeypatch):
         importlib.import_module(name), optionflags=doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
     )
     assert result.failed == 0
+
+
+def test_the_tree_that_is_drawn_is_the_tree_there_is():
+    page = (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
+    folders: list[str] = []
+    drawn = set()
+    for line in page.split("```")[1].strip().splitlines():
+        names = re.match(r"(?:\w+(?:/|\.py)(?:, )?)+", line.strip())
+        assert names, line
+        depth = (len(line) - len(line.lstrip())) // 4
+        for name in names[0].split(", "):
+            folders[depth:] = [name]
+            drawn.add("/".join(part.strip("/") for part in folders))
+    assert all((ROOT / path).exists() for path in drawn), drawn
+    for package in PACKAGES:
+        inside = {path.parent.name for path in (ROOT / package).glob("*/__init__.py")}
+        assert {f"{package}/{name}" for name in inside} <= drawn
+    for path in re.findall(r"`([\w/]+/[\w.]+)`", page):
+        assert (ROOT / path).exists(), path

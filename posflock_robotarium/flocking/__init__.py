@@ -1,14 +1,17 @@
 """What flies: all that goes to the testbed with the script, beside :mod:`barrier_certificates`.
 
-===============  ===============================================================
-law              the paper's position-based law: pure functions of positions
-pose_filter      poses as they are now, out of poses as they were logged
-flock            the law on wheels: turned into commands, certified, once a step
-placement        starts that fit into the arena
-pose_log         every pose and command on disk, whatever ends the run
-progress         a line that counts steps
-errors           what is raised
-===============  ===============================================================
+==================  ==================================================================
+law                 the paper's position-based law: pure functions of positions
+neighbour_memory    who is a neighbour, with a margin: nobody flickers at the radius
+steering            what turns the flock as a whole away from the walls
+pose_filter         poses as they are now, out of poses as they were logged
+flock               the law on wheels: turned into commands, certified, once a step
+placement           starts that fit into the arena
+pose_log            every pose and command on disk, whatever ends the run
+constants_on_board  what the script's Robotarium says of its robots and its arena
+progress            a line that counts steps
+errors              what is raised
+==================  ==================================================================
 
 numpy and scipy suffice, and Python 3.10. In an upload all files lie in one folder, so names are
 unique there, and none is a library's.
