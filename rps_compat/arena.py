@@ -30,10 +30,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from barrier_certificates.ties import TIE
+from barrier_certificates.wall_distance import wall_distances
 from rps_compat.errors import CommandError
 from rps_compat.testbed import GRITSBOT_X, RobotModel
 from rps_compat.violations import Violations
-from rps_compat.walls import wall_distances
 
 Array = NDArray[np.float64]
 

@@ -21,12 +21,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from barrier_certificates.ties import beyond, first_smallest, short_of, within
+from barrier_certificates.wall_distance import wall_distances
 from rps_compat.arena import Arena, Array
 from rps_compat.errors import InitialConditionsError, UnreachableError
 from rps_compat.kinematics import wrap
 from rps_compat.placement import CrowdedError
 from rps_compat.testbed import RobotModel
-from rps_compat.walls import wall_distances
 
 #: How near the drive brings every robot, as the published simulator: metres and radians.
 POSITION_TOLERANCE, HEADING_TOLERANCE = 0.02, 0.18

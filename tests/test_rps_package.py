@@ -258,6 +258,7 @@ def test_where_sensors_are_read_commands_are_cut_as_in_the_release_that_has_them
 
 
 def test_encoders_count_from_the_start_whenever_they_are_asked_first(robots):
+    np.random.seed(2)  # noqa: NPY002 - what an instance's noise is drawn from
     early, late = robots(), robots()
     early.get_encoders()
     drive(early, 90)

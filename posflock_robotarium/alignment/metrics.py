@@ -27,6 +27,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components as _components
 
 from barrier_certificates.ties import TIE, beyond
+from barrier_certificates.wall_distance import wall_distances
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.law import displacements, neighbours
 from posflock_robotarium.freespace.neighbour_search import (
@@ -34,7 +35,6 @@ from posflock_robotarium.freespace.neighbour_search import (
     nearest_distances,
     neighbour_pairs,
 )
-from rps_compat.walls import wall_distances
 
 Floats = NDArray[np.float64]
 

@@ -8,6 +8,7 @@ pose_filter         poses as they are now, out of poses as they were logged
 flock               the law on wheels: turned into commands, certified, once a step
 placement           starts that fit into the arena
 pose_log            every pose and command on disk, whatever ends the run
+row_file            rows that no kill and no full disk takes back
 constants_on_board  what the script's Robotarium says of its robots and its arena
 progress            a line that counts steps
 errors              what is raised

@@ -1,10 +1,11 @@
 """The pose log: what every robot did at every step, safe against any end of the process.
 
-A run of T steps and N robots is two files.  ``NAME.npy`` is a structured array of T rows,
-written through a memory map, so that a row is in the operating system's hands the moment
-it is appended: a process killed at any step has lost nothing before that step.  Rows not
-reached have ``t`` = NaN.  ``NAME.json`` says everything needed to understand or repeat the
-run: parameters, seed, versions, and how it ended.
+A run of T steps and N robots is two files.  ``NAME.npy`` is a structured array of T rows, each of
+which is in the operating system's hands the moment it is appended: a process killed at any step
+has lost nothing before that step, and a disk that fills up costs no row that is finished (see
+`row_file`).  Of a run that was killed, rows not reached are NaN in every number; otherwise they
+are cut off.  ``NAME.json`` says everything needed to understand or repeat the run: parameters,
+seed, versions, and how it ended.
 
 Any program that reads NumPy files reads the log, ``numpy.load("NAME.npy")``; pickles are
 never needed.  This module needs numpy alone, because it goes to the testbed.
@@ -25,21 +26,22 @@ field of a row          type          meaning
 
 from __future__ import annotations
 
-import io
 import json
 import math
 import os
 import platform
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import metadata as installed
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 import numpy as np
-from numpy.lib import format as npy
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from posflock_robotarium.flocking.errors import LogError, OutputError, ParameterError
+from posflock_robotarium.flocking.errors import OutputError, ParameterError
+from posflock_robotarium.flocking.row_file import RowFile
 
 FORMAT = "posflock pose log 2"
 
@@ -80,7 +82,8 @@ class PoseLog:
     Raises
     ------
     OutputError
-        Where the files cannot be written; nothing has happened by then.
+        Where the files cannot be written, or another run is writing them; nothing has happened
+        by then.
     ParameterError
         Where `robots` or `steps` is not a positive whole number.
 
@@ -90,7 +93,7 @@ class PoseLog:
     >>> path = pathlib.Path(tempfile.mkdtemp()) / "run"
     >>> with PoseLog(path, robots=2, steps=100) as log:
     ...     log.append(0.0, pose=np.zeros((3, 2)), command=np.zeros((2, 2)))
-    >>> np.load(path.with_suffix(".npy"))["t"][: log.rows]
+    >>> np.load(path.with_suffix(".npy"))["t"]
     array([0.])
     """
 
@@ -105,7 +108,6 @@ class PoseLog:
             if not isinstance(value, (int, np.integer)) or value < 1:
                 raise ParameterError(f"{name}: expected a whole number from 1, got {value!r}")
         self.path, self.sidecar = log_paths(path)
-        self.rows = 0
         self._robots = int(robots)
         self._metadata = {
             "format": FORMAT,
@@ -115,18 +117,20 @@ class PoseLog:
             "versions": versions(),
             **(metadata or {}),
         }
-        try:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-            self._map = npy.open_memmap(
-                self.path, mode="w+", dtype=row_type(self._robots), shape=(int(steps),)
-            )
-            self._map["t"] = math.nan
+        self._row = _unreached(self._robots)
+        self._bytes = self._row.view(np.uint8)
+        # Views of its fields: to write through them costs a third of writing to the row.
+        self._times, self._statuses = self._row["t"], self._row["status"]
+        self._pose, self._command = self._row["pose"][0], self._row["command"][0]
+        self._interventions, self._clearances = self._row["intervention"], self._row["clearance"]
+        with self._told("choose a folder that can be written to"):
+            self._file = RowFile(self.path, self._row, int(steps), outdated=self.sidecar)
             self._describe("running", "")
-        except OSError as error:
-            raise OutputError(
-                f"cannot write the pose log {self.path}: {error.strerror or error};"
-                " choose a folder that can be written to"
-            ) from error
+
+    @property
+    def rows(self) -> int:
+        """How many rows were appended."""
+        return self._file.rows
 
     def append(
         self,
@@ -153,26 +157,42 @@ class PoseLog:
         intervention, clearance : float
             How far it changed a velocity at most (m/s); how far the team is from being unsafe (m).
             NaN unknown.
+
+        Raises
+        ------
+        OutputError
+            The disk takes no more; all rows before are kept.
+        LogError
+            The log is closed, or was opened by the process that this one was forked from.
         """
-        if self.rows == len(self._map):
-            self._grow()
-        row = self._map[self.rows]
-        row["pose"] = pose
-        row["command"] = command
-        row["status"] = status
-        row["intervention"] = intervention
-        row["clearance"] = clearance
-        row["t"] = t  # last: a row whose time is a number is whole
-        self.rows += 1
+        self._times[0], self._statuses[0] = t, status
+        self._pose[:], self._command[:] = pose, command
+        self._interventions[0], self._clearances[0] = intervention, clearance
+        try:
+            self._file.append(self._bytes)
+        except OSError as error:  # without `_told`: this is called in every step
+            raise self._failure(error, "the rows before are kept") from error
 
     def annotate(self, **values: Any) -> None:
-        """Add what became known during the run to the description beside the log."""
+        """Add what became known during the run to the description beside the log.
+
+        Parameters
+        ----------
+        **values
+            Whatever JSON can hold, by its name.
+
+        Raises
+        ------
+        OutputError
+            The description cannot be written.
+        """
         self._metadata.update(values)
         ended = self._metadata["ended"]
-        self._describe(ended["how"], ended["reason"])
+        with self._told("the rows that were appended are kept"):
+            self._describe(ended["how"], ended["reason"])
 
     def close(self, how: str = "finished", reason: str = "") -> None:
-        """Flush the rows and record how the run ended; a second call changes nothing.
+        """Keep the rows there are, and record how the run ended; a second call changes nothing.
 
         Parameters
         ----------
@@ -180,10 +200,21 @@ class PoseLog:
             ``finished``, ``interrupted`` or ``failed``.
         reason : str
             In words, for the reader of the report.
+
+        Raises
+        ------
+        OutputError
+            The description cannot be written; the rows are kept.
         """
-        if self._metadata["ended"]["how"] == "running":
-            self._map.flush()
-            self._describe(how, reason)
+        if not self._file.is_open:
+            return
+        try:
+            with self._told("the rows that were appended are kept"):
+                self._file.finish(outdated=self.sidecar)
+                self.path, self.sidecar = log_paths(self._file.path)
+                self._describe(how, reason)
+        finally:
+            self._file.close()
 
     def __enter__(self) -> PoseLog:
         return self
@@ -204,33 +235,38 @@ class PoseLog:
     def _describe(self, how: str, reason: str) -> None:
         """Replace the description in one move, so that no reader ever sees half of it."""
         self._metadata["ended"] = {"how": how, "reason": reason, "rows": self.rows}
-        draft = self.sidecar.with_name(self.sidecar.name + ".part")
-        draft.write_text(
-            json.dumps(self._metadata, indent=1, default=_plain) + "\n", encoding="utf-8"
-        )
-        os.replace(draft, self.sidecar)
+        text = json.dumps(self._metadata, indent=1, default=_plain) + "\n"
+        self.sidecar.parent.mkdir(parents=True, exist_ok=True)
+        draft = self.sidecar.with_name(f"{self.sidecar.name}.{os.getpid()}.part")
+        try:
+            draft.write_text(text, encoding="utf-8")
+            os.replace(draft, self.sidecar)
+        except BaseException:
+            draft.unlink(missing_ok=True)
+            raise
 
-    def _grow(self) -> None:
-        """Double the file: first the rows, then the header that admits to them."""
-        self._map.flush()
-        kind, old = self._map.dtype, len(self._map)
-        offset = self._map.offset
-        with open(self.path, "r+b") as file:
-            file.truncate(offset + 2 * old * kind.itemsize)
-        added = np.memmap(
-            self.path, dtype=kind, mode="r+", offset=offset + old * kind.itemsize, shape=(old,)
-        )
-        added["t"] = math.nan
-        added.flush()
-        header = {"descr": npy.dtype_to_descr(kind), "fortran_order": False, "shape": (2 * old,)}
-        draft = io.BytesIO()
-        npy.write_array_header_1_0(draft, header)
-        # NumPy pads its headers so that the row count may gain digits in place.
-        if draft.tell() != offset:
-            raise LogError(f"{self.path}: cannot grow beyond {old} rows; ask for more `steps`")
-        with open(self.path, "r+b") as file:
-            file.write(draft.getvalue())
-        self._map = npy.open_memmap(self.path, mode="r+")
+    @contextmanager
+    def _told(self, advice: str) -> Iterator[None]:
+        """Tell of a failure to write in words."""
+        try:
+            yield
+        except OutputError:
+            raise
+        except OSError as error:
+            raise self._failure(error, advice) from error
+
+    def _failure(self, error: OSError, advice: str) -> OutputError:
+        reason = error.strerror or error
+        return OutputError(f"cannot write the pose log {self.path}: {reason}; {advice}")
+
+
+def _unreached(robots: int) -> NDArray[np.void]:
+    """Return one row that holds nothing: NaN in every number."""
+    row = np.zeros(1, row_type(robots))
+    for name in row.dtype.names or ():
+        if name != "status":
+            row[name] = math.nan
+    return row
 
 
 def log_paths(path: str | os.PathLike[str]) -> tuple[Path, Path]:

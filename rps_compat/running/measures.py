@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from barrier_certificates.ties import beyond, first_smallest, short_of
+from barrier_certificates.wall_distance import wall_distances
 from rps_compat.arena import Arena
 from rps_compat.clock import SimulatedClock
 from rps_compat.running.outcome import Gap, LoopTimes, Outcome, Silence
-from rps_compat.walls import wall_distances
 
 
 class Measures:
