@@ -21,7 +21,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from posflock_robotarium.alignment.analysis import AnalysisOptions, analyse
+from posflock_robotarium.alignment.analysis import analyse
+from posflock_robotarium.alignment.options import AnalysisOptions
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.logs.readers import Run
 from rps_compat.testbed import TIME_STEP

@@ -13,6 +13,7 @@ import hashlib
 import json
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -22,7 +23,7 @@ from numpy.typing import NDArray
 
 from posflock_robotarium import __version__
 from posflock_robotarium.alignment.analysis import Analysis
-from posflock_robotarium.alignment.catalogue import BY_KEY, Panel, panels
+from posflock_robotarium.alignment.catalogue import Metric, Number, Panel, metrics, panels, scalars
 from posflock_robotarium.alignment.comparison import Comparison, compare
 from posflock_robotarium.alignment.verdicts import headline
 from posflock_robotarium.flocking.errors import OutputError, ParameterError
@@ -84,7 +85,7 @@ def render(analyses: Sequence[Analysis], comparison: Comparison | None = None) -
         comparison=comparison,
         groups=_groups(analyses[0]),
         headline=headline(analyses[0].verdicts) if comparison is None else _spoken(comparison),
-        events=_events(analyses[0]) if comparison is None else [],
+        faults=_faults(analyses[0]) if comparison is None else [],
         parameters=[_pretty(a) for a in analyses],
         data=_markup(_json(_data(analyses))),
         scripts=[_markup(script) for script in scripts],
@@ -92,7 +93,8 @@ def render(analyses: Sequence[Analysis], comparison: Comparison | None = None) -
         policy=_policy(scripts),
         licence=_asset("uPlot.LICENSE"),
         version=__version__,
-        definitions=[BY_KEY[key] for panel in panels(0.0) for key in panel.curves],
+        definitions=[metric for _, drawn in panels() for metric in drawn],
+        columns=[scalar for scalar in scalars().values() if scalar.column],
     )
 
 
@@ -116,15 +118,14 @@ def write_page(
 def _data(analyses: Sequence[Analysis]) -> dict[str, Any]:
     budget = LARGEST // len(analyses)
     runs = [_run(analysis, budget) for analysis in analyses]
-    shown = panels(analyses[0].robot.collision_diameter)
     if len(analyses) == 1:
         stride = runs[0]["stride"]
         time = analyses[0].recording.t[::stride]
-        drawn = [_panel(panel, analyses[0], stride) for panel in shown]
+        drawn = [_panel(panel, shown, analyses[0], stride) for panel, shown in panels()]
     else:
         last = max(float(a.recording.t[-1] - a.recording.t[0]) for a in analyses)
         time = np.linspace(0.0, last, COMMON_SAMPLES)
-        drawn = [_overlay(panel, analyses, time) for panel in shown]
+        drawn = [_overlay(panel, shown[0], analyses, time) for panel, shown in panels()]
     first = analyses[0].recording
     gaps = first.t[first.gaps].round(4).tolist() if len(analyses) == 1 else []
     return {
@@ -132,6 +133,11 @@ def _data(analyses: Sequence[Analysis]) -> dict[str, Any]:
         "time": _b64(np.asarray(time, dtype=np.float32)),
         "gaps": gaps,
         "panels": [panel for panel in drawn if panel["series"]],
+        "beside_replay": [
+            {"key": metric.key, "label": metric.label, "unit": metric.unit}
+            for metric in metrics().values()
+            if metric.beside_replay
+        ],
     }
 
 
@@ -172,97 +178,118 @@ def _run(analysis: Analysis, budget: int) -> dict[str, Any]:
     }
 
 
-def _panel(panel: Panel, analysis: Analysis, stride: int) -> dict[str, Any]:
+def _panel(
+    panel: Panel, shown: Sequence[Metric], analysis: Analysis, stride: int
+) -> dict[str, Any]:
     series = [
-        _series(BY_KEY[key].label, key, _thinned(_unjoined(analysis.curves[key], key), key, stride))
-        for key in panel.curves
-        if key in analysis.curves and np.isfinite(analysis.curves[key]).any()
+        _series(metric.label, metric, _thinned(_unjoined(curve, metric), metric, stride))
+        for metric in shown
+        if (curve := _known_curve(analysis, metric)) is not None
     ]
-    return _described(panel, series)
+    return _described(panel, panel.title, series, analysis)
 
 
-def _overlay(panel: Panel, analyses: Sequence[Analysis], time: Floats) -> dict[str, Any]:
-    key = panel.curves[0]
+def _overlay(
+    panel: Panel, metric: Metric, analyses: Sequence[Analysis], time: Floats
+) -> dict[str, Any]:
     series = []
     for analysis in analyses:
-        if key not in analysis.curves or not np.isfinite(analysis.curves[key]).any():
+        curve = _known_curve(analysis, metric)
+        if curve is None:
             continue
         elapsed = analysis.recording.t - analysis.recording.t[0]
         nearest = np.clip(np.searchsorted(elapsed, time), 0, len(elapsed) - 1)
-        values = np.where(time <= elapsed[-1], analysis.curves[key][nearest], np.nan)
-        series.append(_series(analysis.name, key, values))
-    described = _described(panel, series)
-    label = BY_KEY[key].label
-    described["title"] = label[0].upper() + label[1:] if label[0].isascii() else label
-    return described
+        values = np.where(time <= elapsed[-1], curve[nearest], np.nan)
+        series.append(_series(analysis.name, metric, values))
+    label = metric.label
+    title = label[0].upper() + label[1:] if label[0].isascii() else label
+    return _described(panel, title, series, analyses[0])
 
 
-def _described(panel: Panel, series: list[dict[str, Any]]) -> dict[str, Any]:
+def _known_curve(analysis: Analysis, metric: Metric) -> Floats | None:
+    """Return a curve that is defined at some time; None of any other."""
+    curve = analysis.curves.get(metric.key)
+    return curve if curve is not None and np.isfinite(curve).any() else None
+
+
+def _described(
+    panel: Panel, title: str, series: list[dict[str, Any]], first: Analysis
+) -> dict[str, Any]:
     return {
         "key": panel.key,
-        "title": panel.title,
+        "title": title,
         "unit": panel.unit,
         "limits": list(panel.limits),
-        "lines": [list(line) for line in panel.lines],
+        "lines": [[line.level(first.robot), line.label] for line in panel.lines],
         "series": series,
     }
 
 
-def _series(label: str, key: str, values: Floats) -> dict[str, Any]:
+def _series(label: str, metric: Metric, values: Floats) -> dict[str, Any]:
     known = values[np.isfinite(values)]
     extent = (
         [float(known.min()), float(known.mean()), float(known.max())] if known.size else [None] * 3
     )
     return {
         "label": label,
-        "key": key,
-        "unit": BY_KEY[key].unit,
+        "key": metric.key,
+        "unit": metric.unit,
         "extent": extent,
         "values": _b64(values.astype(np.float32)),
     }
 
 
-def _unjoined(curve: Floats, key: str) -> Floats:
+def _unjoined(curve: Floats, metric: Metric) -> Floats:
     """Take out the sample at which an angle jumps by a turn, lest a line be drawn across."""
-    if BY_KEY[key].unit != "rad":
+    if metric.unit != "rad":
         return curve
     jump = np.abs(np.diff(curve, prepend=curve[:1])) > np.pi
     return np.where(jump, np.nan, curve)
 
 
-def _thinned(curve: Floats, key: str, stride: int) -> Floats:
-    """Keep one value a block: the one that matters for this quantity."""
+def _thinned(curve: Floats, metric: Metric, stride: int) -> Floats:
+    """Keep one value a block: the one that matters for this metric."""
     if stride == 1:
         return curve
     blocks = math.ceil(len(curve) / stride)
     padded = np.concatenate([curve, np.full(blocks * stride - len(curve), np.nan)])
     table = padded.reshape(blocks, stride)
-    how = BY_KEY[key].of_interest
-    if how == "mean":
+    if metric.of_interest == "mean":
         return table[:, 0]
-    filler = np.inf if how == "smallest" else -np.inf
-    filled = np.where(np.isnan(table), filler, table)
-    best = filled.min(axis=1) if how == "smallest" else filled.max(axis=1)
+    smallest = metric.of_interest == "smallest"
+    filled = np.where(np.isnan(table), np.inf if smallest else -np.inf, table)
+    best = filled.min(axis=1) if smallest else filled.max(axis=1)
     return np.where(np.isinf(best), np.nan, best)
 
 
-def _groups(analysis: Analysis) -> dict[str, list[Any]]:
-    groups: dict[str, list[Any]] = {}
+def _groups(analysis: Analysis) -> dict[str, list[Number]]:
+    groups: dict[str, list[Number]] = {}
     for number in analysis.numbers.values():
         groups.setdefault(number.group, []).append(number)
     return groups
 
 
-def _events(analysis: Analysis) -> list[dict[str, Any]]:
+@dataclass(frozen=True)
+class _Fault:
+    """A row of the page's table of faults; times in seconds, `worst` in metres."""
+
+    kind: str
+    robots: str
+    start: float
+    duration: float
+    worst: float
+
+
+def _faults(analysis: Analysis) -> list[_Fault]:
     t = analysis.recording.t
     return [
-        {
-            "kind": event.kind,
-            "robots": " and ".join(str(robot + 1) for robot in event.robots),
-            "start": float(t[event.first]),
-            "duration": float(t[event.last] - t[event.first]),
-            "worst": event.worst,
-        }
+        _Fault(
+            event.kind,
+            " and ".join(str(robot + 1) for robot in event.robots),
+            float(t[event.first]),
+            float(t[event.last] - t[event.first]),
+            event.worst,
+        )
         for event in analysis.events[:EVENTS_SHOWN]
     ]
 
