@@ -1,9 +1,7 @@
 """``report.html``: one file, no network, every string escaped, under 3 MB.
 
-Poses are embedded as 16-bit steps of the arena (0.05 mm), curves as 32-bit floats. A run too long
-for that is thinned by a whole factor, keeping the smallest of distances and the largest of
-speeds in each block, and the page says so. A content policy names the page's own scripts
-by their hash: whatever a hostile log might smuggle in could not run.
+A content policy names the page's own scripts by their hash: whatever a hostile log might smuggle in
+could not run. What those scripts draw is in `page_data`.
 """
 
 from __future__ import annotations
@@ -11,33 +9,20 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from posflock_robotarium import __version__
 from posflock_robotarium.alignment.analysis import Analysis
-from posflock_robotarium.alignment.catalogue import Metric, Number, Panel, metrics, panels, scalars
+from posflock_robotarium.alignment.catalogue import Number, panels, scalars
 from posflock_robotarium.alignment.comparison import Comparison, compare
 from posflock_robotarium.alignment.verdicts import headline
 from posflock_robotarium.flocking.errors import OutputError, ParameterError
+from posflock_robotarium.report.page_data import EVENTS_SHOWN, page_data
 from posflock_robotarium.report.words import number_text, unbroken
-
-Floats = NDArray[np.float64]
-
-LARGEST = 1_900_000
-"""Bytes of embedded data, before base64; the finished page stays below 3 MB."""
-
-COMMON_SAMPLES = 1500
-"""Samples of the common time axis on which several runs are overlaid."""
-
-EVENTS_SHOWN = 200
 
 
 def render(analyses: Sequence[Analysis], comparison: Comparison | None = None) -> str:
@@ -87,7 +72,7 @@ def render(analyses: Sequence[Analysis], comparison: Comparison | None = None) -
         headline=headline(analyses[0].verdicts) if comparison is None else _spoken(comparison),
         faults=_faults(analyses[0]) if comparison is None else [],
         parameters=[_pretty(a) for a in analyses],
-        data=_markup(_json(_data(analyses))),
+        data=_markup(_json(asdict(page_data(analyses)))),
         scripts=[_markup(script) for script in scripts],
         style=_markup(_asset("uPlot.min.css") + _asset("report.css")),
         policy=_policy(scripts),
@@ -113,153 +98,6 @@ def write_page(
     except OSError as error:
         raise OutputError(f"{path}: cannot be written ({error.strerror})") from error
     return path
-
-
-def _data(analyses: Sequence[Analysis]) -> dict[str, Any]:
-    budget = LARGEST // len(analyses)
-    runs = [_run(analysis, budget) for analysis in analyses]
-    if len(analyses) == 1:
-        stride = runs[0]["stride"]
-        time = analyses[0].recording.t[::stride]
-        drawn = [_panel(panel, shown, analyses[0], stride) for panel, shown in panels()]
-    else:
-        last = max(float(a.recording.t[-1] - a.recording.t[0]) for a in analyses)
-        time = np.linspace(0.0, last, COMMON_SAMPLES)
-        drawn = [_overlay(panel, shown[0], analyses, time) for panel, shown in panels()]
-    first = analyses[0].recording
-    gaps = first.t[first.gaps].round(4).tolist() if len(analyses) == 1 else []
-    return {
-        "runs": runs,
-        "time": _b64(np.asarray(time, dtype=np.float32)),
-        "gaps": gaps,
-        "panels": [panel for panel in drawn if panel["series"]],
-        "beside_replay": [
-            {"key": metric.key, "label": metric.label, "unit": metric.unit}
-            for metric in metrics().values()
-            if metric.beside_replay
-        ],
-    }
-
-
-def _run(analysis: Analysis, budget: int) -> dict[str, Any]:
-    recording = analysis.recording
-    samples, _, robots = recording.poses.shape
-    # A frame is three 16-bit numbers a robot, and the time and the curves at four bytes each.
-    frame = 6 * robots + 4 * (1 + len(analysis.curves))
-    stride = max(1, math.ceil(samples * frame / budget))
-    poses = recording.poses[::stride]
-    low = poses[:, :2].min(axis=(0, 2))
-    span = np.maximum(poses[:, :2].max(axis=(0, 2)) - low, 1e-6)
-    steps = np.empty(poses.shape, dtype=np.uint16)
-    scaled = (poses[:, :2] - low[:, np.newaxis]) / span[:, np.newaxis]
-    steps[:, :2] = np.rint(scaled * 65534)
-    steps[:, 2] = np.rint(np.remainder(poses[:, 2], 2 * np.pi) / (2 * np.pi) * 65534)
-    return {
-        "name": analysis.name,
-        "robots": robots,
-        "stride": stride,
-        "start": float(recording.t[0]),
-        "t": _b64(recording.t[::stride].astype(np.float32)),
-        "poses": _b64(steps),
-        "low": low.tolist(),
-        "span": span.tolist(),
-        "arena": list(analysis.robot.boundaries),
-        "collision": [analysis.robot.collision_diameter, analysis.robot.collision_offset],
-        "radius": np.broadcast_to(np.asarray(analysis.options.radius, float), robots).tolist(),
-        "events": [
-            {
-                "kind": event.kind,
-                "robots": list(event.robots),
-                "t": float(recording.t[event.first]),
-                "end": float(recording.t[event.last]),
-            }
-            for event in analysis.events[:EVENTS_SHOWN]
-        ],
-    }
-
-
-def _panel(
-    panel: Panel, shown: Sequence[Metric], analysis: Analysis, stride: int
-) -> dict[str, Any]:
-    series = [
-        _series(metric.label, metric, _thinned(_unjoined(curve, metric), metric, stride))
-        for metric in shown
-        if (curve := _known_curve(analysis, metric)) is not None
-    ]
-    return _described(panel, panel.title, series, analysis)
-
-
-def _overlay(
-    panel: Panel, metric: Metric, analyses: Sequence[Analysis], time: Floats
-) -> dict[str, Any]:
-    series = []
-    for analysis in analyses:
-        curve = _known_curve(analysis, metric)
-        if curve is None:
-            continue
-        elapsed = analysis.recording.t - analysis.recording.t[0]
-        nearest = np.clip(np.searchsorted(elapsed, time), 0, len(elapsed) - 1)
-        values = np.where(time <= elapsed[-1], curve[nearest], np.nan)
-        series.append(_series(analysis.name, metric, values))
-    label = metric.label
-    title = label[0].upper() + label[1:] if label[0].isascii() else label
-    return _described(panel, title, series, analyses[0])
-
-
-def _known_curve(analysis: Analysis, metric: Metric) -> Floats | None:
-    """Return a curve that is defined at some time; None of any other."""
-    curve = analysis.curves.get(metric.key)
-    return curve if curve is not None and np.isfinite(curve).any() else None
-
-
-def _described(
-    panel: Panel, title: str, series: list[dict[str, Any]], first: Analysis
-) -> dict[str, Any]:
-    return {
-        "key": panel.key,
-        "title": title,
-        "unit": panel.unit,
-        "limits": list(panel.limits),
-        "lines": [[line.level(first.robot), line.label] for line in panel.lines],
-        "series": series,
-    }
-
-
-def _series(label: str, metric: Metric, values: Floats) -> dict[str, Any]:
-    known = values[np.isfinite(values)]
-    extent = (
-        [float(known.min()), float(known.mean()), float(known.max())] if known.size else [None] * 3
-    )
-    return {
-        "label": label,
-        "key": metric.key,
-        "unit": metric.unit,
-        "extent": extent,
-        "values": _b64(values.astype(np.float32)),
-    }
-
-
-def _unjoined(curve: Floats, metric: Metric) -> Floats:
-    """Take out the sample at which an angle jumps by a turn, lest a line be drawn across."""
-    if metric.unit != "rad":
-        return curve
-    jump = np.abs(np.diff(curve, prepend=curve[:1])) > np.pi
-    return np.where(jump, np.nan, curve)
-
-
-def _thinned(curve: Floats, metric: Metric, stride: int) -> Floats:
-    """Keep one value a block: the one that matters for this metric."""
-    if stride == 1:
-        return curve
-    blocks = math.ceil(len(curve) / stride)
-    padded = np.concatenate([curve, np.full(blocks * stride - len(curve), np.nan)])
-    table = padded.reshape(blocks, stride)
-    if metric.of_interest == "mean":
-        return table[:, 0]
-    smallest = metric.of_interest == "smallest"
-    filled = np.where(np.isnan(table), np.inf if smallest else -np.inf, table)
-    best = filled.min(axis=1) if smallest else filled.max(axis=1)
-    return np.where(np.isinf(best), np.nan, best)
 
 
 def _groups(analysis: Analysis) -> dict[str, list[Number]]:
@@ -306,12 +144,7 @@ def _pretty(analysis: Analysis) -> str:
     return text if len(text) < 20_000 else text[:20_000] + "\n… (cut)"
 
 
-def _b64(array: NDArray[Any]) -> str:
-    little = array.astype(array.dtype.newbyteorder("<"), copy=False)
-    return base64.b64encode(np.ascontiguousarray(little).tobytes()).decode()
-
-
-def _json(data: dict[str, Any]) -> str:
+def _json(data: object) -> str:
     """Serialise for a script element: nothing in it may end the element or open a comment."""
     text = json.dumps(data, separators=(",", ":"), allow_nan=False)
     return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
