@@ -24,6 +24,25 @@ from posflock_robotarium.alignment.metric_registry import (
 )
 from posflock_robotarium.alignment.panels import Line, Panel
 
+# In the order of tables and figures: a family registers its metrics when it is imported.
+# isort: off
+from posflock_robotarium.alignment.catalogue import (  # noqa: F401
+    recording,
+    gamma,
+    alignment_times,
+    polarisation,
+    motion,
+    standing,
+    wheels,
+    distances,
+    cohesion,
+    connectivity,
+    walls,
+    certificate,
+    confidence,
+)
+# isort: on
+
 __all__ = [
     "Line",
     "Metric",
@@ -38,23 +57,11 @@ __all__ = [
     "scalars",
 ]
 
-_ORDER = (
-    "recording",
-    "gamma",
-    "alignment_times",
-    "polarisation",
-    "motion",
-    "standing",
-    "wheels",
-    "distances",
-    "cohesion",
-    "connectivity",
-    "walls",
-    "certificate",
-    "confidence",
-)
-"""Which family comes first in tables and figures; a file that is not named here comes last."""
 
-_found = sorted(module.name for module in iter_modules(__path__))
-for _name in [*_ORDER, *(name for name in _found if name not in _ORDER)]:
-    import_module(f"{__name__}.{_name}")
+def load_families() -> None:
+    """Import every file of this folder, those last that are not named above."""
+    for name in sorted(module.name for module in iter_modules(__path__)):
+        import_module(f"{__name__}.{name}")
+
+
+load_families()
