@@ -146,6 +146,36 @@ def test_a_key_is_given_once(team):
     assert (list(catalogue.metrics()), list(catalogue.scalars())) == before
 
 
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"key": "team speed"}, "expected letters, digits and underscores"),
+        ({"figure": "../team"}, "expected a plain file name"),
+        ({"figure": "snapshots"}, "other than snapshots and runs"),
+        ({"of_interest": "least"}, "'least'; expected one of mean, smallest, largest"),
+    ],
+)
+def test_an_entry_that_makes_no_sense_is_refused(wrong, said):
+    with pytest.raises(ParameterError, match=said):
+        dataclasses.replace(TEAM_SPEED, **wrong)
+
+
+def test_a_function_of_another_shape_is_named(team):
+    run = measure(a_run())
+    wrong = dataclasses.replace(run, curve_functions={"speeds": lambda run: run.speeds})
+    with pytest.raises(ParameterError, match=r"'speeds'.* shape \(182, 10\); expected .*\(182,\)"):
+        wrong.curve("speeds")
+
+
+@pytest.mark.parametrize("definition", ["{", "{run.nothing}", "{x}", "{}"])
+def test_braces_that_name_nothing_of_a_run_are_refused(definition):
+    scalar = dataclasses.replace(catalogue.scalars()["speed"], definition=definition)
+    with pytest.raises(ParameterError, match="'speed': braces"):
+        scalar.of(measure(a_run()))
+    in_latex = dataclasses.replace(scalar, definition="$v_{{xy}}$")
+    assert in_latex.of(measure(a_run())).definition == "$v_{xy}$"
+
+
 def test_what_was_not_registered_cannot_be_forgotten():
     with pytest.raises(ParameterError, match="'team_speed' is not registered"):
         forget(TEAM_SPEED)
@@ -171,8 +201,8 @@ def test_a_curve_of_no_metric_is_named():
 
 
 def test_the_usual_reductions_leave_out_what_is_undefined():
-    values = np.array([np.nan, 1.0, 4.0, 1.0])
     run = measure(a_run())
+    values = np.r_[np.nan, np.full(180, 1.0), 4.0]
     some = dataclasses.replace(run, curve_functions={"x": lambda _: values, "none": lambda _: None})
     assert smallest("x")(some) == 1.0
     assert largest("x")(some) == 4.0

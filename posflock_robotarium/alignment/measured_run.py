@@ -112,12 +112,18 @@ class MeasuredRun:
         Raises
         ------
         ParameterError
-            When no metric has that key.
+            When no metric has that key, or its function returns anything but one value a sample.
         """
         if key not in self.curve_functions:
             known = ", ".join(self.curve_functions)
             raise ParameterError(f"curve {key!r} is of no metric; expected one of {known}")
-        return self.once(self.curve_functions[key])
+        values, samples = self.once(self.curve_functions[key]), len(self.recording.t)
+        if values is not None and np.shape(values) != (samples,):
+            raise ParameterError(
+                f"metric {key!r}: its function returned shape {np.shape(values)}; expected one "
+                f"value a sample, ({samples},)"
+            )
+        return values
 
     def once(self, compute: Callable[..., _T], *arguments: object) -> _T:
         """Return ``compute(run, *arguments)``, computed the first time only."""

@@ -7,15 +7,17 @@ whoever registers a metric finds it in all of them.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 from posflock_robotarium.alignment.measured_run import CurveFunction, MeasuredRun
 from posflock_robotarium.alignment.panels import Panel, in_reading_order
 from posflock_robotarium.flocking.errors import ParameterError
 
 Reduction = Literal["mean", "smallest", "largest"]
+REDUCTIONS: tuple[Reduction, ...] = get_args(Reduction)
 NumberFunction = Callable[[MeasuredRun], float | None]
 
 GROUPS = ("Run", "Alignment", "Motion", "Cohesion", "Safety", "Certificate", "Confidence")
@@ -69,11 +71,23 @@ class Scalar:
     column: str = ""
 
     def of(self, run: MeasuredRun) -> Number | None:
-        """Return the number of one run; None where the recording has no data for it."""
+        """Return the number of one run; None where the recording has no data for it.
+
+        Raises
+        ------
+        ParameterError
+            When label or definition name what a run does not have.
+        """
         value = self.value(run)
         if value is None:
             return None
-        label, definition = self.label.format(run=run), self.definition.format(run=run)
+        try:
+            label, definition = (text.format(run=run) for text in (self.label, self.definition))
+        except (AttributeError, IndexError, KeyError, ValueError) as error:
+            raise ParameterError(
+                f"metric {self.key!r}: braces in label and definition hold attributes of the run, "
+                f"as in {{run.since}}; write others twice ({error!r})"
+            ) from error
         return Number(label, value, self.unit, definition, self.group)
 
 
@@ -101,6 +115,11 @@ class Metric:
         Whether the page shows its value beside the replay.
     numbers : tuple of Scalar
         What is taken from it.
+
+    Raises
+    ------
+    ParameterError
+        When key or figure are no plain names, or `of_interest` is none of its values.
     """
 
     key: str
@@ -115,6 +134,23 @@ class Metric:
     beside_replay: bool = False
     numbers: tuple[Scalar, ...] = ()
 
+    def __post_init__(self) -> None:
+        if not re.fullmatch(r"\w+", self.key):
+            raise ParameterError(f"key {self.key!r}; expected letters, digits and underscores")
+        if not re.fullmatch(r"[\w-]*", self.figure) or self.figure in _OTHER_FIGURES:
+            raise ParameterError(
+                f"metric {self.key!r}: figure {self.figure!r}; expected a plain file name without "
+                f"ending, other than {' and '.join(_OTHER_FIGURES)}"
+            )
+        if self.of_interest not in REDUCTIONS:
+            raise ParameterError(
+                f"metric {self.key!r}: of_interest is {self.of_interest!r}; expected one of "
+                f"{', '.join(REDUCTIONS)}"
+            )
+
+
+_OTHER_FIGURES = ("snapshots", "runs")
+"""Figures of a report that draw no metric of one run over time."""
 
 _METRICS: dict[str, Metric] = {}
 _SCALARS: dict[str, Scalar] = {}

@@ -80,8 +80,9 @@ def draw(analyses: Sequence[Analysis], folder: Path) -> list[Path]:
             "distances": lambda: distances(run),
             "motion": lambda: motion(run),
         }
-        for name in figures():
-            drawn.setdefault(name, partial(curves, run, name))
+        for name, shown in figures().items():
+            if any(metric.key in run.curves for metric in shown):
+                drawn.setdefault(name, partial(curves, run, name))
     else:
         drawn = {"runs": lambda: runs(analyses)}
     return [path for name, draw_one in drawn.items() for path in save(draw_one(), folder, name)]
@@ -174,8 +175,13 @@ def curves(analysis: Analysis, name: str) -> Figure:
     for metric, style in _styled(drawn):
         _curve(axes, analysis, metric, style)
     first = drawn[0]
-    axes.set(xlabel="time (s)", ylabel=_axis_label(first.label if len(drawn) == 1 else "", first))
-    _legend_above(axes, 3)
+    axes.set(
+        xlabel="time (s)",
+        ylabel=_axis_label(first.label if len(drawn) == 1 else "", first),
+        ylim=(None, None) if first.panel is None else first.panel.limits,
+    )
+    if len(drawn) > 1:
+        _legend_above(axes, 3)
     _time_axis(axes, [analysis])
     return figure
 
