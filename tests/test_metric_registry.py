@@ -143,6 +143,10 @@ def test_a_key_is_given_once(team):
         register(dataclasses.replace(team, key="other"))
     with pytest.raises(ParameterError, match="'speed' is registered already"):
         register(dataclasses.replace(team.numbers[0], key="speed"))
+    (number,) = team.numbers
+    twice = tuple(dataclasses.replace(number, key="twice") for _ in range(2))
+    with pytest.raises(ParameterError, match="'other': two of its numbers have one key"):
+        register(dataclasses.replace(team, key="other", numbers=twice))
     assert (list(catalogue.metrics()), list(catalogue.scalars())) == before
 
 

@@ -162,18 +162,20 @@ def register(*entries: Metric | Scalar) -> None:
     Raises
     ------
     ParameterError
-        Where another has the key already.
+        Where another has the key already, or two numbers of one metric share theirs.
     """
     for entry in entries:
-        numbers = _numbers(entry)
-        taken = [scalar.key for scalar in numbers if scalar.key in _SCALARS]
+        numbers = {scalar.key: scalar for scalar in _numbers(entry)}
+        taken = [key for key in numbers if key in _SCALARS]
         if isinstance(entry, Metric) and entry.key in _METRICS:
             taken.append(entry.key)
         if taken:
             raise ParameterError(f"metric {taken[0]!r} is registered already; choose another key")
+        if len(numbers) < len(_numbers(entry)):
+            raise ParameterError(f"metric {entry.key!r}: two of its numbers have one key")
         if isinstance(entry, Metric):
             _METRICS[entry.key] = entry
-        _SCALARS.update({scalar.key: scalar for scalar in numbers})
+        _SCALARS.update(numbers)
 
 
 def forget(*entries: Metric | Scalar) -> None:

@@ -120,9 +120,8 @@ def _ring(t: Floats, robots: int, speed: float) -> tuple[Floats, float, float]:
 
 def _angles(motion: str, robots: int, rng: np.random.Generator) -> Floats:
     """Return the direction in which each robot points, radians."""
-    scattered = rng.uniform(
-        -np.pi, np.pi, robots
-    )  # drawn always: noise is the same for all motions
+    # Drawn for every motion, so that all of them see the same noise.
+    scattered = rng.uniform(-np.pi, np.pi, robots)
     if motion == "random":
         return scattered
     backwards = np.pi if motion == "counter" else 0.0

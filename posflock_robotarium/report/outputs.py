@@ -130,7 +130,7 @@ def latex_table(analyses: Sequence[Analysis], comparison: Comparison | None = No
         r"\midrule",
     ]
     rows = {row.key: row for row in comparison.rows} if comparison is not None else {}
-    for key in (key for key, scalar in scalars().items() if scalar.latex):
+    for key in [key for key, scalar in scalars().items() if scalar.latex]:
         known = [analysis.numbers.get(key) for analysis in analyses]
         example = next((number for number in known if number is not None), None)
         if example is None:
