@@ -20,7 +20,7 @@ from comparing import Table
 from nine_robots import DURATION, start_of
 
 from posflock_robotarium.alignment import metrics
-from posflock_robotarium.alignment.analysis import SETTLE
+from posflock_robotarium.alignment.options import SETTLE
 from posflock_robotarium.flocking.flock import EXPERIMENT_CERTIFICATE, Flock
 from posflock_robotarium.flocking.pose_log import INTERVENED
 from rps_compat.arena import Arena, Array

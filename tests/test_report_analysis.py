@@ -109,7 +109,7 @@ def test_the_nine_robots_flock(nine_robots):
 
 
 def test_small_stretches_give_the_same_curves(nine_robots, monkeypatch):
-    monkeypatch.setattr("posflock_robotarium.alignment.curves.PAIRS_AT_A_TIME", 81 * 7)
+    monkeypatch.setattr("posflock_robotarium.alignment.measured_run.PAIRS_AT_A_TIME", 81 * 7)
     again = analyse(nine_robots.recording)
     for key, curve in nine_robots.curves.items():
         np.testing.assert_array_equal(again.curves[key], curve, err_msg=key)

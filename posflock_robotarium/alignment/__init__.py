@@ -3,9 +3,13 @@
 ===============  ===============================================================
 metrics          γ and its kin, of poses or velocities at one time
 estimators       motion out of noisy poses, and how much of it is noise
-curves           every metric over time
-numbers          one number of each, with its unit and its uncertainty
-catalogue        what each quantity is called, where it comes from, how it is told
+metric_registry  what an entry holds: words, computation, numbers, where it is drawn
+catalogue        every metric over time and every number, one entry each
+panels           the plots that the page draws them in
+measured_run     a run whose metrics are computed when asked for; ``measuring`` asks
+reductions       the usual ways to take one number from a curve
+faults           collisions and boundary crossings, by the testbed's own test
+options          radius, window, thresholds
 verdicts         a judgement in words, where there are grounds for one
 analysis         all of it for one run; ``comparison``: for several
 truth            estimates against what a simulator knows

@@ -26,13 +26,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from barrier_certificates import ties
-from posflock_robotarium.alignment.curves import Curves, compute
-from posflock_robotarium.alignment.estimators import ESTIMATORS, WINDOW, estimate
-from posflock_robotarium.alignment.metrics import SLOWEST
-from posflock_robotarium.alignment.numbers import Number, Situation, numbers_of
+from posflock_robotarium.alignment.estimators import ESTIMATORS
+from posflock_robotarium.alignment.faults import faults_of
+from posflock_robotarium.alignment.measuring import curves_of, measure, numbers_of
+from posflock_robotarium.alignment.metric_registry import Number
+from posflock_robotarium.alignment.options import SETTLE, AnalysisOptions, settled_samples
 from posflock_robotarium.alignment.verdicts import Verdict, verdicts_of
-from posflock_robotarium.flocking.errors import LogError, OutputError, ParameterError
+from posflock_robotarium.flocking.errors import LogError, OutputError
 from posflock_robotarium.flocking.flock import WALLS
 from posflock_robotarium.logs.readers import ReadOptions, Run, read
 from posflock_robotarium.logs.readers.numpy_files import read_npz
@@ -44,53 +44,6 @@ Floats = NDArray[np.float64]
 FORMAT = "posflock analysis 1"
 
 _COLUMNS = ("commands", "intervention", "clearance", "status")
-
-SETTLE = 20.0
-"""Seconds after which a flock should have aligned, unless it is told otherwise."""
-
-
-@dataclass(frozen=True)
-class AnalysisOptions:
-    """What an analysis may be told.
-
-    Parameters
-    ----------
-    radius : float or tuple of float, optional
-        Neighbour radius in metres, one or one a robot; taken from the log where it has one.
-    window : float
-        Seconds of the Savitzky-Golay window.
-    slowest : float
-        Speed in m/s up to which a robot has no direction of motion. See `metrics.SLOWEST`.
-    threshold : float
-        γ from which the flock counts as aligned.
-    settle : float, optional
-        Seconds at the start that summaries named "settled" leave out; by default `SETTLE`, and
-        nothing of a run that is shorter.
-
-    Raises
-    ------
-    ParameterError
-        When a value is not finite or outside its range.
-    """
-
-    radius: float | tuple[float, ...] | None = None
-    window: float = WINDOW
-    slowest: float = SLOWEST
-    threshold: float = 0.9
-    settle: float | None = None
-
-    def __post_init__(self) -> None:
-        for name, low in (("window", 0.0), ("slowest", 0.0), ("settle", 0.0)):
-            value = getattr(self, name)
-            if value is None and name == "settle":
-                continue
-            if not (math.isfinite(value) and value >= low) or (name == "window" and value <= 0):
-                raise ParameterError(f"{name} is {value}; expected a finite number above {low:g}")
-        if not -1.0 <= self.threshold <= 1.0:
-            raise ParameterError(f"threshold is {self.threshold}; γ lies between -1 and 1")
-        radii = np.atleast_1d(np.asarray(1.0 if self.radius is None else self.radius, dtype=float))
-        if not (np.isfinite(radii).all() and (radii > 0).all()):
-            raise ParameterError(f"neighbour radius is {self.radius}; expected metres above 0")
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +63,7 @@ class Analysis:
     estimators : dict of str
         Estimator to the sentence that describes it.
     curves : dict of ndarray, shape (T,)
-        Values over time by the key of their `catalogue.Quantity`; NaN where undefined.
+        Values over time by the key of their `metric_registry.Metric`; NaN where undefined.
     numbers : dict of Number
         Every scalar of the summary, with unit and definition.
     events : tuple of Event
@@ -212,14 +165,6 @@ class Analysis:
         return target
 
 
-def settled_samples(t: Floats, settle: float | None) -> NDArray[np.bool_]:
-    """Return which samples come later than `settle` seconds; all of them in a shorter run."""
-    elapsed = t - t[0]
-    settle = SETTLE if settle is None else settle
-    later = ties.beyond(elapsed, settle)
-    return later if later.any() else np.ones(len(t), dtype=bool)
-
-
 def analyse(
     log: Run | str | os.PathLike[str],
     options: AnalysisOptions | None = None,
@@ -255,31 +200,18 @@ def analyse(
     options = options or AnalysisOptions()
     if radius is not None:
         options = dataclasses.replace(options, radius=radius)
-    recording = log if isinstance(log, Run) else read(log, read_options)
-    options = dataclasses.replace(options, radius=recording.neighbour_radius(options.radius))
-    if options.settle is not None and options.settle >= recording.t[-1] - recording.t[0]:
-        raise ParameterError(
-            f"{recording.name}: --settle is {options.settle:g} s, but the run ends after "
-            f"{recording.t[-1] - recording.t[0]:.2f} s: nothing is left to take means over; "
-            "give less, or leave it out"
-        )
-    robot, generation = recording.robot, recording.logged_robot.words
-    motions = {name: estimate(recording, name, options.window) for name in ESTIMATORS}
-    reach = np.asarray(options.radius, dtype=float)
-    curves = compute(
-        recording, motions, float(reach) if reach.ndim == 0 else reach, options.slowest, robot
-    )
-    numbers, verdicts = _judge(recording, options, robot, curves)
+    run = measure(log if isinstance(log, Run) else read(log, read_options), options)
+    numbers = numbers_of(run)
     return Analysis(
-        recording=recording,
-        options=options,
-        robot=robot,
-        generation=generation,
-        estimators={name: motion.description for name, motion in motions.items()},
-        curves=curves.values,
+        recording=run.recording,
+        options=run.options,
+        robot=run.robot,
+        generation=run.recording.logged_robot.words,
+        estimators={name: run.motion(name).description for name in ESTIMATORS},
+        curves=curves_of(run),
         numbers=numbers,
-        events=tuple(curves.violations.events),
-        verdicts=verdicts,
+        events=tuple(run.once(faults_of).events),
+        verdicts=verdicts_of(run.recording, numbers, run.options.threshold, run.options.slowest),
     )
 
 
@@ -357,22 +289,6 @@ def statistics(curve: Floats) -> dict[str, float | int]:
         "largest": float(known.max()),
         "undefined": int(len(curve) - known.size),
     }
-
-
-def _judge(
-    recording: Run, options: AnalysisOptions, robot: RobotModel, curves: Curves
-) -> tuple[dict[str, Number], tuple[Verdict, ...]]:
-    situation = Situation(
-        recording=recording,
-        curves=curves,
-        robot=robot,
-        settled=settled_samples(recording.t, options.settle),
-        slowest=options.slowest,
-        threshold=options.threshold,
-        window=options.window,
-    )
-    numbers = numbers_of(situation)
-    return numbers, verdicts_of(recording, numbers, options.threshold, options.slowest)
 
 
 def _plain(value: Any) -> Any:

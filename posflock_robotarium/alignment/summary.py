@@ -1,16 +1,22 @@
 """A run in a dozen numbers, which answer: did it align, did it move, was it safe.
 
-Nothing is computed here: a summary is a selection of the numbers of an `Analysis`.
+No number is defined here: a summary is a selection of the numbers that the report knows, and
+computes no other.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
 
 from posflock_robotarium.alignment import metrics
-from posflock_robotarium.alignment.analysis import Analysis, AnalysisOptions, analyse
+from posflock_robotarium.alignment.analysis import Analysis
+from posflock_robotarium.alignment.catalogue import scalars
+from posflock_robotarium.alignment.measured_run import MeasuredRun
+from posflock_robotarium.alignment.measuring import measure
+from posflock_robotarium.alignment.options import AnalysisOptions
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.logs.run import Run
 
@@ -114,24 +120,33 @@ def summarise(run: Run, radius: float | None = None) -> Summary:
             f"{run.name}: {len(run.t)} rows; at least {metrics.SMOOTHING_POINTS} are needed to tell"
             " directions of motion"
         )
-    return summary_of(analyse(run, AnalysisOptions(radius=radius)))
+    measured, known = measure(run, AnalysisOptions(radius=radius)), scalars()
+    return _summary(measured, lambda key: known[key].value(measured))
 
 
 def summary_of(analysis: Analysis) -> Summary:
     """Return the figures of a run that has been analysed."""
 
-    def of(key: str) -> float:
+    def value(key: str) -> float | None:
         number = analysis.numbers.get(key)
-        return math.nan if number is None else float(number.value)
+        return None if number is None else number.value
+
+    return _summary(analysis, value)
+
+
+def _summary(run: Analysis | MeasuredRun, value: Callable[[str], float | None]) -> Summary:
+    def of(key: str) -> float:
+        found = value(key)
+        return math.nan if found is None else float(found)
 
     def count(key: str) -> int | None:
-        value = of(key)
-        return None if math.isnan(value) else int(value)
+        found = of(key)
+        return None if math.isnan(found) else int(found)
 
-    ending = analysis.recording.ending
+    ending = run.recording.ending
     return Summary(
         duration=of("duration") + of("step"),
-        settled=0.0 if analysis.settled.all() else analysis.settle,
+        settled=0.0 if run.settled.all() else run.settle,
         gamma_headings=of("gamma_headings"),
         gamma_motion=of("gamma_motion"),
         mean_speed=of("speed"),

@@ -21,7 +21,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from posflock_robotarium.alignment.analysis import AnalysisOptions, analyse
+from posflock_robotarium.alignment.analysis import analyse
+from posflock_robotarium.alignment.options import AnalysisOptions
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.logs.readers import Run
 from rps_compat.testbed import TIME_STEP
@@ -93,38 +94,48 @@ def known_flock(
     rng = np.random.default_rng(seed)
     t: Floats = TIME_STEP * np.arange(round(duration / TIME_STEP), dtype=float)
     start = rng.uniform(-1.0, 1.0, (2, robots))
-    radius = EVERYBODY
     if motion == "rotating":
-        ring = 0.8
-        angle = 2 * np.pi * np.arange(robots) / robots + speed / ring * t[:, np.newaxis]
-        positions = ring * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-        headings = angle + np.pi / 2
-        # Between the chord to the next robot and the chord to the one after.
-        radius = ring * (np.sin(np.pi / robots) + np.sin(2 * np.pi / robots))
-        gamma = float(np.cos(2 * np.pi / robots))
+        poses, radius, gamma = _ring(t, robots, speed)
     else:
-        angles = {
-            "parallel": np.full(robots, 0.7),
-            "counter": 0.7 + np.pi * (np.arange(robots) % 2),
-            "random": rng.uniform(-np.pi, np.pi, robots),
-            "stopped": np.full(robots, 0.7),
-        }[motion]
-        unit = np.stack([np.cos(angles), np.sin(angles)])
-        travelled = (0.0 if motion == "stopped" else speed) * t
-        positions = start + travelled[:, np.newaxis, np.newaxis] * unit
-        headings = np.broadcast_to(angles, (len(t), robots))
-        together = float(np.square(unit.sum(axis=1)).sum())
-        gamma = (together - robots) / (robots * (robots - 1))
-    poses: Floats = np.concatenate([positions, headings[:, np.newaxis]], axis=1)
+        angles = _angles(motion, robots, rng)
+        poses, gamma = _straight_on(t, start, angles, 0.0 if motion == "stopped" else speed)
+        radius = EVERYBODY
     poses[:, :2] += position_noise * rng.standard_normal(poses[:, :2].shape)
     poses[:, 2] += heading_noise * rng.standard_normal(poses[:, 2].shape)
     moving = float("nan") if motion == "stopped" else gamma
-    return KnownFlock(
-        Run(f"{motion} {speed:g}", t, poses),
-        float(radius),
-        gamma,
-        moving,
+    return KnownFlock(Run(f"{motion} {speed:g}", t, poses), radius, gamma, moving)
+
+
+def _ring(t: Floats, robots: int, speed: float) -> tuple[Floats, float, float]:
+    """Return poses on a ring, the radius that makes the nearest two neighbours, and γ."""
+    ring = 0.8
+    angle = 2 * np.pi * np.arange(robots) / robots + speed / ring * t[:, np.newaxis]
+    poses: Floats = np.stack(
+        [ring * np.cos(angle), ring * np.sin(angle), angle + np.pi / 2], axis=1
     )
+    # Between the chord to the next robot and the chord to the one after.
+    radius = ring * (np.sin(np.pi / robots) + np.sin(2 * np.pi / robots))
+    return poses, float(radius), float(np.cos(2 * np.pi / robots))
+
+
+def _angles(motion: str, robots: int, rng: np.random.Generator) -> Floats:
+    """Return the direction in which each robot points, radians."""
+    # Drawn for every motion, so that all of them see the same noise.
+    scattered = rng.uniform(-np.pi, np.pi, robots)
+    if motion == "random":
+        return scattered
+    backwards = np.pi if motion == "counter" else 0.0
+    return np.asarray(0.7 + backwards * (np.arange(robots) % 2), dtype=float)
+
+
+def _straight_on(t: Floats, start: Floats, angles: Floats, speed: float) -> tuple[Floats, float]:
+    """Return poses of robots that keep their direction, and γ of all of them as neighbours."""
+    unit, robots = np.stack([np.cos(angles), np.sin(angles)]), len(angles)
+    positions = start + (speed * t)[:, np.newaxis, np.newaxis] * unit
+    headings = np.broadcast_to(angles, (len(t), 1, robots))
+    together = float(np.square(unit.sum(axis=1)).sum())
+    poses: Floats = np.concatenate([positions, headings], axis=1)
+    return poses, (together - robots) / (robots * (robots - 1))
 
 
 @dataclass(frozen=True)

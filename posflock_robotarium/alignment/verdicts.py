@@ -14,8 +14,8 @@ from typing import Literal
 import numpy as np
 
 from barrier_certificates import ties
+from posflock_robotarium.alignment.metric_registry import Number
 from posflock_robotarium.alignment.metrics import SMOOTHING_POINTS
-from posflock_robotarium.alignment.numbers import Number
 from posflock_robotarium.logs.run import How, Run
 
 Mark = Literal["good", "caution", "bad", "unknown"]
@@ -73,7 +73,7 @@ def verdicts_of(
     recording : Run
         For what the log says about how the run ended.
     numbers : mapping of Number
-        From `numbers.numbers_of`.
+        From `measuring.numbers_of`.
     threshold : float
         γ from which the flock counts as aligned.
     slowest : float

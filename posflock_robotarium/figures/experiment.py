@@ -10,7 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from barrier_certificates import ties
-from posflock_robotarium.alignment import metrics
+from posflock_robotarium.alignment import catalogue
+from posflock_robotarium.alignment.measured_run import MeasuredRun
+from posflock_robotarium.alignment.measuring import measure
+from posflock_robotarium.alignment.metrics import SMOOTHING_POINTS
+from posflock_robotarium.alignment.options import AnalysisOptions
 from posflock_robotarium.figures.style import (
     BLACK,
     BLUE,
@@ -44,10 +48,8 @@ def draw_run(log: Run, folder: Path) -> list[Path]:
     OutputError
         Where the folder cannot be written.
     """
-    if len(log.t) < metrics.SMOOTHING_POINTS:
-        raise LogError(
-            f"the log holds {len(log.t)} rows; at least {metrics.SMOOTHING_POINTS} are needed"
-        )
+    if len(log.t) < SMOOTHING_POINTS:
+        raise LogError(f"the log holds {len(log.t)} rows; at least {SMOOTHING_POINTS} are needed")
     drawn = {
         "snapshots": snapshots(log),
         "alignment": alignment_over_time(log),
@@ -91,16 +93,14 @@ def alignment_over_time(log: Run, radius: float | None = None) -> Figure:
     """Draw γ over time, from headings and from motion (paper, Fig. 8)."""
     figure = new_figure(3.5, 2.4)
     axes = figure.subplots()
-    given = log.neighbour_radius(radius)
-    reach = np.array(given) if isinstance(given, tuple) else given
-    positions = log.poses[:, :2]
-    motion = metrics.smoothed_velocities(positions, log.step)
-    low = 0.0
-    for velocities, slowest, label, colour, dash in (
-        (metrics.heading_vectors(log.poses), 0.0, "headings", BLUE, "-"),
-        (motion, metrics.SLOWEST, "motion", ORANGE, (0, (4, 1.5))),
+    run, low = measure(log, AnalysisOptions(radius=radius)), 0.0
+    for key, colour, dash in (
+        ("gamma_headings", BLUE, "-"),
+        ("gamma_motion", ORANGE, (0, (4, 1.5))),
     ):
-        gamma = metrics.alignment(velocities, positions, reach, slowest=slowest).gamma
+        gamma, label = run.curve(key), catalogue.metrics()[key].legend
+        if gamma is None:
+            continue
         axes.plot(log.t, gamma, color=colour, linestyle=dash, linewidth=1.2, label=label)
         low = min(low, float(np.nanmin(gamma, initial=0.0)))
     axes.set(
@@ -117,24 +117,30 @@ def distances_and_speeds(log: Run) -> Figure:
     """Draw nearest-neighbour, smallest and wall distances, cohesive radius, and speeds."""
     figure = new_figure(7.2, 2.4)
     left, right = figure.subplots(1, 2)
-    positions = log.poses[:, :2]
-    curves = (
-        (metrics.cohesive_radius(positions), "cohesive radius", BLACK, (0, (1, 1))),
-        (metrics.nearest_neighbour_distance(positions), "nearest neighbour, mean", BLUE, "-"),
-        (metrics.smallest_distance(positions), "closest pair", ORANGE, (0, (4, 1.5))),
-        (
-            metrics.wall_distance(positions, log.robot.boundaries),
-            "nearest wall",
-            GREEN,
-            (0, (5, 1, 1, 1)),
-        ),
-    )
-    for values, label, colour, dash in curves:
-        left.plot(log.t, values, color=colour, linestyle=dash, linewidth=1.1, label=label)
-    collision = log.robot.collision_diameter
-    left.axhline(collision, color=GREY, linewidth=0.8)
-    left.text(
-        log.t[-1],
+    run = measure(log)
+    _distances(left, run)
+    _speeds(right, run)
+    _say_walls(figure, log)
+    return figure
+
+
+def _distances(axes: Axes, run: MeasuredRun) -> None:
+    t, known, top = run.recording.t, catalogue.metrics(), 0.0
+    for key, colour, dash in (
+        ("cohesive_radius", BLACK, (0, (1, 1))),
+        ("nearest_neighbour", BLUE, "-"),
+        ("smallest_distance", ORANGE, (0, (4, 1.5))),
+        ("wall_distance", GREEN, (0, (5, 1, 1, 1))),
+    ):
+        values, metric = run.curve(key), known[key]
+        if values is not None:
+            label = metric.legend or metric.label
+            axes.plot(t, values, color=colour, linestyle=dash, linewidth=1.1, label=label)
+            top = max(top, float(values.max()))
+    collision = run.robot.collision_diameter
+    axes.axhline(collision, color=GREY, linewidth=0.8)
+    axes.text(
+        t[-1],
         collision - 0.01,
         f"collision diameter {collision:g} m",
         fontsize=6,
@@ -142,14 +148,14 @@ def distances_and_speeds(log: Run) -> Figure:
         ha="right",
         va="top",
     )
-    left.set(xlabel="time (s)", ylabel="distance (m)", xlim=(0, log.t[-1]))
-    left.set_ylim(0, 1.32 * max(float(values.max()) for values, *_ in curves))
-    left.legend(loc="upper right", ncols=2)
+    axes.set(xlabel="time (s)", ylabel="distance (m)", xlim=(0, t[-1]), ylim=(0, 1.32 * top))
+    axes.legend(loc="upper right", ncols=2)
 
-    velocities = metrics.smoothed_velocities(positions, log.step)
-    speeds = np.sqrt(np.square(velocities).sum(axis=1))
-    right.fill_between(
-        log.t,
+
+def _speeds(axes: Axes, run: MeasuredRun) -> None:
+    t, speeds = run.recording.t, run.speeds
+    axes.fill_between(
+        t,
         speeds.min(axis=1),
         speeds.max(axis=1),
         color=BLUE,
@@ -157,16 +163,13 @@ def distances_and_speeds(log: Run) -> Figure:
         linewidth=0,
         label="slowest to fastest",
     )
-    right.plot(log.t, speeds.mean(axis=1), color=BLUE, linewidth=1.1, label="mean")
-    centroid = np.sqrt(np.square(velocities.mean(axis=2)).sum(axis=1))
-    right.plot(
-        log.t, centroid, color=BLACK, linestyle=(0, (4, 1.5)), linewidth=1.0, label="centroid"
-    )
-    right.set(xlabel="time (s)", ylabel="speed (m/s)", xlim=(0, log.t[-1]))
-    right.set_ylim(0, 1.25 * float(speeds.max()))
-    right.legend(loc="upper right", ncols=3)
-    _say_walls(figure, log)
-    return figure
+    for key, colour, dash in (("speed", BLUE, "-"), ("drift", BLACK, (0, (4, 1.5)))):
+        values, label = run.curve(key), catalogue.metrics()[key].legend
+        if values is not None:
+            axes.plot(t, values, color=colour, linestyle=dash, linewidth=1.1, label=label)
+    axes.set(xlabel="time (s)", ylabel="speed (m/s)", xlim=(0, t[-1]))
+    axes.set_ylim(0, 1.25 * float(np.nanmax(speeds)))
+    axes.legend(loc="upper right", ncols=3)
 
 
 def _say_walls(figure: Figure, log: Run) -> None:

@@ -5,8 +5,9 @@ over time, numbers with units and definitions, faults by the testbed's own tests
 words. `compare` puts several side by side, `write_report` makes the page, figures and tables.
 """
 
-from posflock_robotarium.alignment.analysis import Analysis, AnalysisOptions, analyse, load
+from posflock_robotarium.alignment.analysis import Analysis, analyse, load
 from posflock_robotarium.alignment.comparison import Comparison, compare
+from posflock_robotarium.alignment.options import AnalysisOptions
 from posflock_robotarium.logs.readers import (
     LayoutError,
     ReadOptions,

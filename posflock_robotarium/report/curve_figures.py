@@ -7,14 +7,18 @@ They share the style, colours and dashes of the experiment's own figures, but ar
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
+from itertools import cycle
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.alignment.analysis import Analysis
+from posflock_robotarium.alignment.catalogue import Metric, figures, metrics
 from posflock_robotarium.alignment.comparison import spread_of
+from posflock_robotarium.alignment.panels import LEFT_OUT
 from posflock_robotarium.figures.experiment import snapshots
 from posflock_robotarium.figures.style import (
     BLACK,
@@ -33,12 +37,23 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-_STYLES: tuple[tuple[str, Any], ...] = (
-    (BLUE, "-"),
-    (ORANGE, (0, (4, 1.5))),
-    (GREY, (0, (1, 1))),
-    (GREEN, (0, (5, 1, 1, 1))),
+
+class _Style(NamedTuple):
+    """How one curve of several looks."""
+
+    colour: str
+    dash: Any
+    width: float = 1.1
+
+
+_STYLES = (
+    _Style(BLUE, "-"),
+    _Style(ORANGE, (0, (4, 1.5))),
+    _Style(GREY, (0, (1, 1))),
+    _Style(GREEN, (0, (5, 1, 1, 1))),
 )
+_DOTTED = _Style(BLACK, (0, (1, 1)))
+_DASHED = _Style(BLACK, (0, (4, 1.5)))
 
 
 def draw(analyses: Sequence[Analysis], folder: Path) -> list[Path]:
@@ -56,34 +71,21 @@ def draw(analyses: Sequence[Analysis], folder: Path) -> list[Path]:
     list of Path
         What was written.
     """
-    figures: dict[str, Callable[[], Figure]]
+    drawn: dict[str, Callable[[], Figure]]
     if len(analyses) == 1:
         run = analyses[0]
-        figures = {
+        drawn = {
             "snapshots": lambda: snapshots(run.recording),
             "alignment": lambda: alignment(run),
             "distances": lambda: distances(run),
             "motion": lambda: motion(run),
         }
+        for name, shown in figures().items():
+            if any(metric.key in run.curves for metric in shown):
+                drawn.setdefault(name, partial(curves, run, name))
     else:
-        figures = {"runs": lambda: runs(analyses)}
-    return [path for name, draw_one in figures.items() for path in save(draw_one(), folder, name)]
-
-
-_SHORT = {
-    "gamma_motion": "motion",
-    "gamma_headings": "headings",
-    "gamma_differences": "raw differences",
-    "left_out_motion": "motion",
-    "left_out_headings": "headings",
-    "nearest_neighbour": "nearest neighbour",
-    "smallest_distance": "closest pair",
-    "cohesive_radius": "cohesive radius",
-    "wall_distance": "nearest wall",
-    "speed": "mean",
-    "drift": "centroid",
-}
-"""Legends for a column of print; what they mean is in the caption and in `catalogue`."""
+        drawn = {"runs": lambda: runs(analyses)}
+    return [path for name, draw_one in drawn.items() for path in save(draw_one(), folder, name)]
 
 
 @in_style
@@ -91,14 +93,17 @@ def alignment(analysis: Analysis) -> Figure:
     """Draw γ by its three estimators, and below it the share of robots that each leaves out."""
     figure = new_figure(3.5, 3.1)
     top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1])
-    curves = ("gamma_differences", "gamma_headings", "gamma_motion")
-    for key, style in zip(curves, (_STYLES[2], _STYLES[1], _STYLES[0]), strict=True):
-        _curve(top, analysis, key, style, width=0.8 if key == "gamma_differences" else 1.2)
+    drawn = figures()["alignment"]
+    of_gamma = [metric for metric in drawn if metric.panel is not LEFT_OUT]
+    wide = [style._replace(width=0.8 if style.colour == GREY else 1.2) for style in _STYLES]
+    # Backwards, so that the best estimate lies on top.
+    for metric, style in reversed(_styled(of_gamma, wide)):
+        _curve(top, analysis, metric, style)
     top.set(ylabel="alignment γ (–)", ylim=(None, 1.05))
     top.axhline(1.0, color=GREY, linewidth=0.5, zorder=0)
     _legend_above(top, 3, backwards=True)
-    for key, style in (("left_out_headings", _STYLES[1]), ("left_out_motion", _STYLES[0])):
-        _curve(bottom, analysis, key, style)
+    for metric, style in reversed(_styled([m for m in drawn if m.panel is LEFT_OUT])):
+        _curve(bottom, analysis, metric, style)
     bottom.set(xlabel="time (s)", ylabel="left out (–)", ylim=(-0.05, 1.05))
     _time_axis(bottom, [analysis])
     return figure
@@ -109,12 +114,9 @@ def distances(analysis: Analysis) -> Figure:
     """Draw distances between robots and to the walls with the testbed's collision line."""
     figure = new_figure(3.5, 2.6)
     axes = figure.subplots()
-    for key, style in zip(
-        ("nearest_neighbour", "smallest_distance", "cohesive_radius", "wall_distance"),
-        (_STYLES[0], _STYLES[1], (BLACK, (0, (1, 1))), _STYLES[3]),
-        strict=True,
-    ):
-        _curve(axes, analysis, key, style)
+    styles = (_STYLES[0], _STYLES[1], _DOTTED, _STYLES[3])
+    for metric, style in _styled(figures()["distances"], styles):
+        _curve(axes, analysis, metric, style)
     limit = analysis.robot.collision_diameter
     axes.axhline(limit, color=GREY, linewidth=0.8)
     axes.text(
@@ -138,20 +140,48 @@ def motion(analysis: Analysis) -> Figure:
     """Draw speeds, slowest to fastest robot, and the speed of the centroid."""
     figure = new_figure(3.5, 2.4)
     axes = figure.subplots()
-    t, curves = analysis.recording.t, analysis.curves
+    t, known = analysis.recording.t, analysis.curves
     axes.fill_between(
         t,
-        curves["speed_slowest"],
-        curves["speed_fastest"],
+        known["speed_slowest"],
+        known["speed_fastest"],
         color=BLUE,
         alpha=0.2,
         linewidth=0,
         label="slowest to fastest",
     )
-    _curve(axes, analysis, "speed", _STYLES[0])
-    _curve(axes, analysis, "drift", (BLACK, (0, (4, 1.5))))
+    for metric, style in _styled(figures()["motion"], (_STYLES[0], _DASHED)):
+        _curve(axes, analysis, metric, style)
     axes.set(xlabel="time (s)", ylabel="speed (m/s)", ylim=(0, None))
     _legend_above(axes, 3)
+    _time_axis(axes, [analysis])
+    return figure
+
+
+@in_style
+def curves(analysis: Analysis, name: str) -> Figure:
+    """Draw the metrics of a figure that has nothing of its own beside its curves.
+
+    Parameters
+    ----------
+    analysis : Analysis
+        One run.
+    name : str
+        What metrics call the figure (`metric_registry.Metric.figure`).
+    """
+    figure = new_figure(3.5, 2.4)
+    axes = figure.subplots()
+    drawn = figures()[name]
+    for metric, style in _styled(drawn):
+        _curve(axes, analysis, metric, style)
+    first = drawn[0]
+    axes.set(
+        xlabel="time (s)",
+        ylabel=_axis_label(first.label if len(drawn) == 1 else "", first),
+        ylim=(None, None) if first.panel is None else first.panel.limits,
+    )
+    if len(drawn) > 1:
+        _legend_above(axes, 3)
     _time_axis(axes, [analysis])
     return figure
 
@@ -161,26 +191,23 @@ def runs(analyses: Sequence[Analysis]) -> Figure:
     """Draw γ from motion and the closest pair of every run, their mean and 95 % interval."""
     figure = new_figure(7.2, 2.6)
     left, right = figure.subplots(1, 2)
-    for axes, key, label in (
-        (left, "gamma_motion", "γ from motion (–)"),
-        (right, "smallest_distance", "closest pair (m)"),
-    ):
+    for axes, key in ((left, "gamma_motion"), (right, "smallest_distance")):
         for k, analysis in enumerate(analyses):
             if key in analysis.curves:
-                colour, dash = _STYLES[k % len(_STYLES)]
+                style = _STYLES[k % len(_STYLES)]
                 crowded = len(analyses) > len(_STYLES)
                 axes.plot(
                     analysis.recording.t - analysis.recording.t[0],
                     analysis.curves[key],
-                    color=GREY if crowded else colour,
-                    linestyle="-" if crowded else dash,
+                    color=GREY if crowded else style.colour,
+                    linestyle="-" if crowded else style.dash,
                     linewidth=0.6 if crowded else 1.0,
                     alpha=0.6 if crowded else 1.0,
                     label=None if crowded else _plain(analysis.name),
                 )
         if len(analyses) >= 3:
             _mean_band(axes, analyses, key)
-        axes.set(xlabel="time (s)", ylabel=label)
+        axes.set(xlabel="time (s)", ylabel=_axis_label(metrics()[key].label, metrics()[key]))
         _time_axis(axes, analyses)
     _legend_above(left, 4)
     return figure
@@ -216,17 +243,28 @@ def _mean_band(axes: Axes, analyses: Sequence[Analysis], key: str) -> None:
     axes.plot(grid, [s.mean for s in spreads], color=BLACK, linewidth=1.4, label="mean over runs")
 
 
-def _curve(
-    axes: Axes, analysis: Analysis, key: str, style: tuple[str, Any], width: float = 1.1
-) -> None:
+def _styled(
+    drawn: Sequence[Metric], styles: Sequence[_Style] = _STYLES
+) -> list[tuple[Metric, _Style]]:
+    """Give each curve of an axes a look of its own, those of the figure first."""
+    return list(zip(drawn, cycle(dict.fromkeys([*styles, *_STYLES, _DOTTED, _DASHED]))))
+
+
+def _curve(axes: Axes, analysis: Analysis, metric: Metric, style: _Style) -> None:
     """Plot one curve, broken at gaps."""
-    if key not in analysis.curves:
+    if metric.key not in analysis.curves:
         return
     gaps = analysis.recording.gaps
     t = np.insert(analysis.recording.t, gaps, np.nan)
-    values = np.insert(analysis.curves[key].astype(float), gaps, np.nan)
-    colour, dash = style
-    axes.plot(t, values, color=colour, linestyle=dash, linewidth=width, label=_SHORT[key])
+    values = np.insert(analysis.curves[metric.key].astype(float), gaps, np.nan)
+    label = metric.legend or metric.label
+    axes.plot(
+        t, values, color=style.colour, linestyle=style.dash, linewidth=style.width, label=label
+    )
+
+
+def _axis_label(words: str, metric: Metric) -> str:
+    return f"{words} ({metric.unit or '–'})".strip()
 
 
 def _plain(name: str) -> str:

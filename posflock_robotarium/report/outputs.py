@@ -12,28 +12,11 @@ from typing import Any
 import numpy as np
 
 from posflock_robotarium.alignment.analysis import Analysis
+from posflock_robotarium.alignment.catalogue import scalars
 from posflock_robotarium.alignment.comparison import Comparison, compare
 from posflock_robotarium.flocking.errors import OutputError
 from posflock_robotarium.report.page import write_page
 from posflock_robotarium.report.words import number_text
-
-LATEX_ROWS = (
-    "gamma_motion",
-    "gamma_headings",
-    "gamma_differences",
-    "left_out_motion",
-    "time_aligned_for_good_motion",
-    "share_aligned_motion",
-    "standing",
-    "speed",
-    "nearest_neighbour",
-    "smallest_distance",
-    "smallest_wall_distance",
-    "cohesive_radius",
-    "connected",
-    "collisions",
-    "interventions",
-)
 
 
 def write_report(
@@ -147,7 +130,7 @@ def latex_table(analyses: Sequence[Analysis], comparison: Comparison | None = No
         r"\midrule",
     ]
     rows = {row.key: row for row in comparison.rows} if comparison is not None else {}
-    for key in LATEX_ROWS:
+    for key in [key for key, scalar in scalars().items() if scalar.latex]:
         known = [analysis.numbers.get(key) for analysis in analyses]
         example = next((number for number in known if number is not None), None)
         if example is None:

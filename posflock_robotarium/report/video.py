@@ -23,6 +23,8 @@ from posflock_robotarium.logs.readers import Run
 from rps_compat.testbed import GTERNAL, ROBOT_LENGTH, ROBOT_WIDTH, RobotModel
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
     from PIL.Image import Image as Picture
 
 Floats = NDArray[np.float64]
@@ -104,18 +106,11 @@ def _frames(
 ) -> Iterator[Frame]:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.collections import LineCollection, PolyCollection
-    from matplotlib.figure import Figure
     from matplotlib.transforms import Bbox
 
     width, height = size
-    left, right, bottom, top = robot.boundaries
-    figure = Figure(figsize=(9.6, 9.6 * height / width), dpi=width / 9.6)
+    figure, axes = _arena(robot, size)
     canvas: Any = FigureCanvasAgg(figure)  # matplotlib leaves it untyped
-    axes = figure.add_axes((0.01, 0.01, 0.98, 0.92))
-    axes.set(xlim=(left - 0.05, right + 0.05), ylim=(bottom - 0.05, top + 0.05))
-    axes.set_aspect("equal")
-    axes.set_axis_off()
-    axes.plot([left, right, right, left, left], [bottom, bottom, top, top, bottom], "k", lw=1.5)
     canvas.draw()
     background = canvas.copy_from_bbox(figure.bbox)
 
@@ -132,24 +127,10 @@ def _frames(
     clock = figure.text(0.015, 0.955, "", fontsize=13, family="monospace")
     corner = Bbox.from_bounds(0, int(0.94 * height), int(0.3 * width), int(0.06 * height))
     told = None
-    body = np.array([[1, -1, -1, 1], [1, 1, -1, -1]]) * [[ROBOT_LENGTH / 2], [ROBOT_WIDTH / 2]]
-    arrow = np.array([[0.85, -0.65, -0.3, -0.65], [0, 0.7, 0, -0.7]]) * [
-        [ROBOT_LENGTH / 2],
-        [ROBOT_WIDTH / 2],
-    ]
     rows = np.clip(np.searchsorted(recording.t, times + TIE, side="right") - 1, 0, None)
     for time, row in zip(times, rows, strict=True):
-        x, y, heading = recording.poses[row]
-        turn = np.array([[np.cos(heading), -np.sin(heading)], [np.sin(heading), np.cos(heading)]])
-        place = np.stack([x, y], axis=1)[:, np.newaxis]
-        corners = [np.einsum("ijn,jk->nki", turn, shape) + place for shape in (body, arrow)]
-        robots.set_verts(list(np.concatenate(corners)))
-        first = int(np.searchsorted(recording.t, time - TRAIL))
-        stride = max(1, (row - first) // 60)
-        # The samples of a trail stay the same from frame to frame: it grows, it does not shimmer.
-        first += -first % stride
-        path = recording.poses[np.append(np.arange(first, row, stride), row), :2]
-        trails.set_segments(list(path.transpose(2, 0, 1)))
+        robots.set_verts(_bodies(recording.poses[row]))
+        trails.set_segments(_trails(recording, time, int(row)))
         if told != (told := f"{time:6.1f} s"):
             clock.set_text(told)
             canvas.restore_region(background)
@@ -160,6 +141,47 @@ def _frames(
         axes.draw_artist(trails)
         axes.draw_artist(robots)
         yield np.asarray(canvas.buffer_rgba())
+
+
+def _arena(robot: RobotModel, size: tuple[int, int]) -> tuple[Figure, Axes]:
+    """Return a figure of so many pixels that shows the walls alone."""
+    from matplotlib.figure import Figure
+
+    width, height = size
+    left, right, bottom, top = robot.boundaries
+    figure = Figure(figsize=(9.6, 9.6 * height / width), dpi=width / 9.6)
+    axes = figure.add_axes((0.01, 0.01, 0.98, 0.92))
+    axes.set(xlim=(left - 0.05, right + 0.05), ylim=(bottom - 0.05, top + 0.05))
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+    axes.plot([left, right, right, left, left], [bottom, bottom, top, top, bottom], "k", lw=1.5)
+    return figure, axes
+
+
+_BODY = np.array([[1, -1, -1, 1], [1, 1, -1, -1]]) * [[ROBOT_LENGTH / 2], [ROBOT_WIDTH / 2]]
+_ARROW = np.array([[0.85, -0.65, -0.3, -0.65], [0, 0.7, 0, -0.7]]) * [
+    [ROBOT_LENGTH / 2],
+    [ROBOT_WIDTH / 2],
+]
+
+
+def _bodies(poses: Floats) -> list[Floats]:
+    """Return the corners of each robot's body, then of each arrowhead, (4, 2) each, metres."""
+    x, y, heading = poses
+    turn = np.array([[np.cos(heading), -np.sin(heading)], [np.sin(heading), np.cos(heading)]])
+    place = np.stack([x, y], axis=1)[:, np.newaxis]
+    corners = [np.einsum("ijn,jk->nki", turn, shape) + place for shape in (_BODY, _ARROW)]
+    return list(np.concatenate(corners))
+
+
+def _trails(recording: Run, time: float, row: int) -> list[Floats]:
+    """Return where each robot has been of late, (K, 2) each, metres."""
+    first = int(np.searchsorted(recording.t, time - TRAIL))
+    stride = max(1, (row - first) // 60)
+    # The samples of a trail stay the same from frame to frame: it grows, it does not shimmer.
+    first += -first % stride
+    path = recording.poses[np.append(np.arange(first, row, stride), row), :2]
+    return list(path.transpose(2, 0, 1))
 
 
 def find_ffmpeg() -> str:

@@ -314,15 +314,14 @@ function zoom(range, from) {
 
 /* ---------- what holds at this instant ---------- */
 function nowItems() {
-  const wanted = [["gamma_motion", "γ from motion", ""], ["gamma_headings", "γ from headings", ""], ["speed", "mean speed", " m/s"], ["smallest_distance", "closest pair", " m"]];
   if (many) return [];
   const index = indexAt(state.time), items = [];
-  for (const [key, label, unit] of wanted)
+  for (const { key, label, unit } of data.beside_replay)
     for (const { panel, columns } of plots)
       panel.series.forEach((series, k) => {
         if (series.key === key) {
           const value = columns[k][index];
-          items.push({ label, text: value === null ? "undefined" : number(value) + unit });
+          items.push({ label, text: value === null ? "undefined" : `${number(value)} ${unit}`.trim() });
         }
       });
   return items;

@@ -1,0 +1,77 @@
+"""When the flock aligned, for good or for once, and how steadily."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from barrier_certificates import ties
+from posflock_robotarium.alignment.catalogue.gamma import alignment_of
+from posflock_robotarium.alignment.measured_run import MeasuredRun
+from posflock_robotarium.alignment.metric_registry import Scalar, register
+
+
+def _aligned(run: MeasuredRun, estimator: str) -> NDArray[np.bool_]:
+    """Return at which samples γ is at the threshold or above; never where it is undefined."""
+    gamma = run.once(alignment_of, estimator).gamma
+    return np.asarray(ties.reached(np.nan_to_num(gamma, nan=-2.0), run.options.threshold))
+
+
+def _first_time(run: MeasuredRun, estimator: str) -> float:
+    reached = np.flatnonzero(_aligned(run, estimator))
+    t = run.recording.t
+    return float(t[reached[0]] - t[0]) if reached.size else float("nan")
+
+
+def _time_for_good(run: MeasuredRun, estimator: str) -> float:
+    # NaN where the last sample itself is below: alignment that ended is not for good.
+    below = np.flatnonzero(~_aligned(run, estimator))
+    lasting = int(below[-1]) + 1 if below.size else 0
+    t = run.recording.t
+    return float(t[lasting] - t[0]) if lasting < len(t) else float("nan")
+
+
+def _times(short: str, estimator: str, latex: bool) -> tuple[Scalar, ...]:
+    threshold = "γ ≥ {run.options.threshold:g}"
+    return (
+        Scalar(
+            f"time_to_alignment_{short}",
+            f"time to {threshold} from {short}",
+            "s",
+            "From the first pose to the first sample at or above the threshold; "
+            "undefined when it is never reached.",
+            "Alignment",
+            lambda run: _first_time(run, estimator),
+        ),
+        Scalar(
+            f"time_aligned_for_good_{short}",
+            f"time from which {threshold} for good, from {short}",
+            "s",
+            "From the first pose to the last time γ rises to the threshold and stays there; "
+            "undefined when the run ends below it.",
+            "Alignment",
+            lambda run: _time_for_good(run, estimator),
+            latex=latex,
+        ),
+        Scalar(
+            f"share_aligned_{short}",
+            f"time with {threshold} from {short}",
+            "share",
+            "Share of the whole run; samples where γ is undefined count as not aligned.",
+            "Alignment",
+            lambda run: run.mean(_aligned(run, estimator).astype(float)),
+            latex=latex,
+        ),
+        Scalar(
+            f"steadiness_{short}",
+            f"time with {threshold} from {short}, settled",
+            "share",
+            "The same {run.since}.",
+            "Alignment",
+            lambda run: run.settled_mean(_aligned(run, estimator).astype(float)),
+        ),
+    )
+
+
+register(*_times("motion", "savitzky_golay", latex=True))
+register(*_times("headings", "headings", latex=False))

@@ -1,0 +1,122 @@
+"""Whether the flock hangs together: groups and algebraic connectivity of the neighbour graph."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from posflock_robotarium.alignment import metrics
+from posflock_robotarium.alignment.measured_run import Floats, MeasuredRun
+from posflock_robotarium.alignment.metric_registry import Metric, Scalar, register
+from posflock_robotarium.alignment.panels import CONNECTIVITY
+from posflock_robotarium.alignment.reductions import largest, smallest
+from posflock_robotarium.flocking.law import neighbours
+
+
+class Connectivity(NamedTuple):
+    """What the neighbour graph says over time, each of shape (T,)."""
+
+    components: Floats
+    algebraic: Floats
+
+
+def _connectivity(run: MeasuredRun) -> Connectivity | None:
+    """Return both, computed only where the graph changes; None of a robot alone."""
+    if run.recording.robots < 2:
+        return None
+    found = np.empty((len(run.recording.t), 2))
+    before: NDArray[np.bool_] | None = None
+    last = np.zeros(2)
+    for stretch in run.stretches():
+        positions = run.positions[stretch]
+        linked = neighbours(positions, run.radius)
+        previous = linked[:1] if before is None else before
+        changed = (linked != np.concatenate([previous, linked[:-1]])).any(axis=(1, 2))
+        changed[0] |= before is None
+        values = _of_graphs(positions[changed], run.radius)
+        # Row 0 is what held before this stretch, row k what holds from its k-th change on.
+        found[stretch] = np.concatenate([last[np.newaxis], values])[np.cumsum(changed)]
+        last, before = found[stretch][-1], linked[-1:]
+    return Connectivity(*found.T)
+
+
+def _of_graphs(positions: Floats, radius: float | Floats) -> Floats:
+    """Return components and algebraic connectivity of (K, 2, N) positions, shape (K, 2)."""
+    if not len(positions):
+        return np.empty((0, 2))
+    return np.stack(
+        [
+            metrics.connected_components(positions, radius),
+            metrics.algebraic_connectivity(positions, radius),
+        ],
+        axis=1,
+    )
+
+
+def _components(run: MeasuredRun) -> Floats | None:
+    found = run.once(_connectivity)
+    return None if found is None else found.components
+
+
+def _algebraic(run: MeasuredRun) -> Floats | None:
+    found = run.once(_connectivity)
+    return None if found is None else found.algebraic
+
+
+def _connected(run: MeasuredRun) -> float | None:
+    components = run.once(_components)
+    return None if components is None else run.mean((components == 1).astype(float))
+
+
+register(
+    Metric(
+        "components",
+        "connected components",
+        "",
+        "Number of groups that no chain of neighbours connects.",
+        _components,
+        "largest",
+        panel=CONNECTIVITY,
+        numbers=(
+            Scalar(
+                "components",
+                "most groups at once",
+                "",
+                "Whole run.",
+                "Cohesion",
+                largest("components"),
+            ),
+            Scalar(
+                "connected",
+                "time in one group",
+                "share",
+                "Share of the whole run in which every robot is connected to every other.",
+                "Cohesion",
+                _connected,
+                latex=True,
+            ),
+        ),
+    ),
+    Metric(
+        "algebraic_connectivity",
+        "algebraic connectivity",
+        "",
+        "Second smallest eigenvalue of the neighbour graph's Laplacian: 0 when the flock has "
+        "parted, N when every robot neighbours every other.",
+        _algebraic,
+        "smallest",
+        panel=CONNECTIVITY,
+        numbers=(
+            Scalar(
+                "algebraic_connectivity",
+                "smallest algebraic connectivity",
+                "",
+                "Whole run.",
+                "Cohesion",
+                smallest("algebraic_connectivity"),
+            ),
+        ),
+    ),
+)

@@ -1,0 +1,81 @@
+"""How fast robots go, and the flock as a whole."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from posflock_robotarium.alignment.measured_run import Floats, MeasuredRun
+from posflock_robotarium.alignment.metric_registry import Metric, Scalar, register
+from posflock_robotarium.alignment.panels import SPEED
+from posflock_robotarium.alignment.reductions import settled_mean
+
+
+def _drift(run: MeasuredRun) -> Floats:
+    centroid = run.velocities("savitzky_golay").mean(axis=2)
+    speed: Floats = np.sqrt(np.square(centroid).sum(axis=1))
+    return speed
+
+
+register(
+    Metric(
+        "speed",
+        "mean speed",
+        "m/s",
+        "Mean over robots of the Savitzky-Golay speed.",
+        lambda run: run.speeds.mean(axis=1),
+        panel=SPEED,
+        figure="motion",
+        legend="mean",
+        beside_replay=True,
+        numbers=(
+            Scalar(
+                "speed",
+                "mean speed",
+                "m/s",
+                "Mean over robots and time {run.since}.",
+                "Motion",
+                settled_mean("speed"),
+                latex=True,
+                column="mean speed",
+            ),
+        ),
+    ),
+    Metric(
+        "drift",
+        "speed of the centroid",
+        "m/s",
+        "Speed at which the flock as a whole travels.",
+        _drift,
+        panel=SPEED,
+        figure="motion",
+        legend="centroid",
+        numbers=(
+            Scalar(
+                "drift",
+                "speed of the centroid",
+                "m/s",
+                "Mean over time {run.since}.",
+                "Motion",
+                settled_mean("drift"),
+            ),
+        ),
+    ),
+    Metric(
+        "speed_slowest",
+        "slowest robot",
+        "m/s",
+        "Smallest Savitzky-Golay speed of a robot.",
+        lambda run: run.speeds.min(axis=1),
+        "smallest",
+        panel=SPEED,
+    ),
+    Metric(
+        "speed_fastest",
+        "fastest robot",
+        "m/s",
+        "Largest Savitzky-Golay speed of a robot.",
+        lambda run: run.speeds.max(axis=1),
+        "largest",
+        panel=SPEED,
+    ),
+)

@@ -1,0 +1,30 @@
+"""What the testbed would hold against a run, found by its own test where something may be wrong."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from posflock_robotarium.alignment.measured_run import MeasuredRun
+from rps_compat.arena import violations_of
+from rps_compat.violations import Kind, Violations
+
+DOUBTFUL = 1e-6
+"""Metres from a wall, or beyond the collision diameter, within which the arena is asked."""
+
+
+def faults_of(run: MeasuredRun) -> Violations:
+    """Return collisions and boundary crossings; ask for them by ``run.once(faults_of)``."""
+    doubtful = np.zeros(len(run.recording.t), dtype=bool)
+    for key, least in (
+        ("wall_distance", 0.0),
+        ("smallest_collision_distance", run.robot.collision_diameter),
+    ):
+        curve = run.curve(key)
+        if curve is not None:
+            doubtful |= curve < least + DOUBTFUL
+    return violations_of(run.recording.poses, run.robot, np.flatnonzero(doubtful).tolist())
+
+
+def count(run: MeasuredRun, kind: Kind) -> int:
+    """Return how many faults of a kind there were, each counted once however long it lasted."""
+    return sum(event.kind == kind for event in run.once(faults_of).events)

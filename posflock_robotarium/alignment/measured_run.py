@@ -1,0 +1,169 @@
+"""A run that is being measured: its poses, motions and curves, each computed when first asked for.
+
+Metrics are functions of a `MeasuredRun`. Whatever several of them need (a direction of motion, γ,
+another curve) is computed once and kept. Memory stays small and cost linear: functions of robot
+pairs go through `MeasuredRun.by_stretch`, a stretch of samples at a time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, TypeAlias, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from posflock_robotarium.alignment.estimators import Motion, estimate
+from posflock_robotarium.alignment.options import SETTLE, AnalysisOptions, settled_samples
+from posflock_robotarium.flocking.errors import ParameterError
+from posflock_robotarium.logs.run import Run
+from rps_compat.testbed import RobotModel
+
+Floats: TypeAlias = NDArray[np.float64]
+CurveFunction: TypeAlias = "Callable[[MeasuredRun], Floats | None]"
+_T = TypeVar("_T")
+
+PAIRS_AT_A_TIME = 200_000
+"""Robot pairs in one stretch: a few MB of temporaries, which stay in the processor's cache."""
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredRun:
+    """One run and what has been found of it so far.
+
+    Attributes
+    ----------
+    recording : Run
+        Poses over time.
+    options : AnalysisOptions
+        Radius, window and thresholds; the radius is the one to use.
+    curve_functions : mapping of str
+        How each curve is computed, by its key.
+    """
+
+    recording: Run
+    options: AnalysisOptions
+    curve_functions: Mapping[str, CurveFunction] = field(repr=False)
+    _found: dict[tuple[object, ...], Any] = field(default_factory=dict, init=False, repr=False)
+
+    @cached_property
+    def robot(self) -> RobotModel:
+        """Collision test, wheels and arena of the testbed."""
+        return self.recording.robot
+
+    @cached_property
+    def positions(self) -> Floats:
+        """Positions in metres, shape (T, 2, N)."""
+        return self.recording.poses[:, :2]
+
+    @cached_property
+    def radius(self) -> float | Floats:
+        """Neighbour radius in metres, one or one a robot."""
+        reach = np.asarray(self.options.radius, dtype=float)
+        return float(reach) if reach.ndim == 0 else reach
+
+    @cached_property
+    def speeds(self) -> Floats:
+        """Savitzky-Golay speed of each robot in m/s, shape (T, N)."""
+        speeds: Floats = np.sqrt(np.square(self.velocities("savitzky_golay")).sum(axis=1))
+        return speeds
+
+    @cached_property
+    def settled(self) -> NDArray[np.bool_]:
+        """Samples that count for the numbers named "settled", shape (T,)."""
+        return settled_samples(self.recording.t, self.options.settle)
+
+    @property
+    def settle(self) -> float:
+        """Seconds after which these begin, where the run is longer."""
+        return SETTLE if self.options.settle is None else self.options.settle
+
+    @cached_property
+    def since(self) -> str:
+        """The time that settled numbers are taken over, in words."""
+        if self.settled.all():
+            return "of the whole run"
+        first = int(np.argmax(self.settled))
+        return f"after {self.recording.t[first] - self.recording.t[0]:.0f} s"
+
+    @cached_property
+    def weights(self) -> Floats:
+        """The time each sample stands for; all one when samples are evenly spaced, (T,)."""
+        r = self.recording
+        steps = np.diff(r.t)
+        if np.abs(steps - steps.mean()).max() <= 1e-6 * steps.mean():
+            return np.ones(len(r.t))
+        steps[r.gaps - 1] = r.step
+        return np.append(steps, r.step)
+
+    def motion(self, estimator: str) -> Motion:
+        """Return the motion by a key of `estimators.ESTIMATORS`."""
+        return self.once(_estimated, estimator)
+
+    def velocities(self, estimator: str) -> Floats:
+        """Return velocities by that estimator, m/s, shape (T, 2, N)."""
+        return self.motion(estimator).velocities
+
+    def curve(self, key: str) -> Floats | None:
+        """Return a metric over time, shape (T,); None where the recording has no data for it.
+
+        Raises
+        ------
+        ParameterError
+            When no metric has that key, or its function returns anything but one value a sample.
+        """
+        if key not in self.curve_functions:
+            known = ", ".join(self.curve_functions)
+            raise ParameterError(f"curve {key!r} is of no metric; expected one of {known}")
+        values, samples = self.once(self.curve_functions[key]), len(self.recording.t)
+        if values is not None and np.shape(values) != (samples,):
+            raise ParameterError(
+                f"metric {key!r}: its function returned shape {np.shape(values)}; expected one "
+                f"value a sample, ({samples},)"
+            )
+        return values
+
+    def once(self, compute: Callable[..., _T], *arguments: object) -> _T:
+        """Return ``compute(run, *arguments)``, computed the first time only."""
+        question = (compute, *arguments)
+        if question not in self._found:
+            self._found[question] = compute(self, *arguments)
+        found: _T = self._found[question]
+        return found
+
+    def by_stretch(self, measure: Callable[[slice], NDArray[Any]]) -> Floats:
+        """Return what `measure` says of each stretch of samples, joined, shape (T,)."""
+        values = np.empty(len(self.recording.t))
+        for stretch in self.stretches():
+            values[stretch] = measure(stretch)
+        return values
+
+    def stretches(self) -> Iterator[slice]:
+        """Yield stretches of samples, in order, that hold `PAIRS_AT_A_TIME` pairs or fewer."""
+        samples, length = len(self.recording.t), max(1, PAIRS_AT_A_TIME // self.recording.robots**2)
+        for start in range(0, samples, length):
+            yield slice(start, min(start + length, samples))
+
+    def mean(self, values: Floats) -> float:
+        """Return the mean over the run of a value a sample, where it is defined."""
+        return weighted_mean(values, self.weights)
+
+    def settled_mean(self, values: Floats) -> float:
+        """Return the same over the settled samples."""
+        return weighted_mean(values[self.settled], self.weights[self.settled])
+
+
+def weighted_mean(values: Floats, weights: Floats) -> float:
+    """Return the mean of the values that are defined; NaN where none is."""
+    known = np.isfinite(values)
+    if not known.any():
+        return float("nan")
+    if (weights == 1.0).all():
+        return float(values[known].mean())
+    return float(np.average(values[known], weights=weights[known]))
+
+
+def _estimated(run: MeasuredRun, estimator: str) -> Motion:
+    return estimate(run.recording, estimator, run.options.window)

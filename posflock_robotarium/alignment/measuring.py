@@ -1,0 +1,55 @@
+"""From a recording to its metrics: all of them, or only those that somebody asks for."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from posflock_robotarium.alignment import catalogue
+from posflock_robotarium.alignment.measured_run import Floats, MeasuredRun
+from posflock_robotarium.alignment.options import AnalysisOptions
+from posflock_robotarium.flocking.errors import ParameterError
+from posflock_robotarium.logs.run import Run
+
+
+def measure(recording: Run, options: AnalysisOptions | None = None) -> MeasuredRun:
+    """Return a run whose metrics can be asked for; nothing is computed yet.
+
+    Parameters
+    ----------
+    recording : Run
+        Poses over time.
+    options : AnalysisOptions, optional
+        Radius, window and thresholds.
+
+    Raises
+    ------
+    LogError
+        When the neighbour radius is known from nowhere.
+    ParameterError
+        When the run ends before the time that it was given to settle.
+    """
+    options = options or AnalysisOptions()
+    options = dataclasses.replace(options, radius=recording.neighbour_radius(options.radius))
+    duration = float(recording.t[-1] - recording.t[0])
+    if options.settle is not None and options.settle >= duration:
+        raise ParameterError(
+            f"{recording.name}: --settle is {options.settle:g} s, but the run ends after "
+            f"{duration:.2f} s: nothing is left to take means over; give less, or leave it out"
+        )
+    curves = {key: metric.curve for key, metric in catalogue.metrics().items()}
+    return MeasuredRun(recording, options, curves)
+
+
+def curves_of(run: MeasuredRun) -> dict[str, Floats]:
+    """Return every curve that the recording has data for, shape (T,) each, by its key."""
+    found = {key: run.curve(key) for key in run.curve_functions}
+    return {key: curve for key, curve in found.items() if curve is not None}
+
+
+def numbers_of(run: MeasuredRun) -> dict[str, catalogue.Number]:
+    """Return every number that the recording has data for, in the order of the summary's table.
+
+    NaN where a number is undefined (γ of a flock that stands, say).
+    """
+    found = {key: scalar.of(run) for key, scalar in catalogue.scalars().items()}
+    return {key: number for key, number in found.items() if number is not None}

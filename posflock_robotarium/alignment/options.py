@@ -1,0 +1,71 @@
+"""What an analysis may be told: radius, window, thresholds, and when a flock has settled."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from barrier_certificates import ties
+from posflock_robotarium.alignment.estimators import WINDOW
+from posflock_robotarium.alignment.metrics import SLOWEST
+from posflock_robotarium.flocking.errors import ParameterError
+
+Floats = NDArray[np.float64]
+
+SETTLE = 20.0
+"""Seconds after which a flock should have aligned, unless it is told otherwise."""
+
+
+@dataclass(frozen=True)
+class AnalysisOptions:
+    """What an analysis may be told.
+
+    Parameters
+    ----------
+    radius : float or tuple of float, optional
+        Neighbour radius in metres, one or one a robot; taken from the log where it has one.
+    window : float
+        Seconds of the Savitzky-Golay window.
+    slowest : float
+        Speed in m/s up to which a robot has no direction of motion. See `metrics.SLOWEST`.
+    threshold : float
+        γ from which the flock counts as aligned.
+    settle : float, optional
+        Seconds at the start that summaries named "settled" leave out; by default `SETTLE`, and
+        nothing of a run that is shorter.
+
+    Raises
+    ------
+    ParameterError
+        When a value is not finite or outside its range.
+    """
+
+    radius: float | tuple[float, ...] | None = None
+    window: float = WINDOW
+    slowest: float = SLOWEST
+    threshold: float = 0.9
+    settle: float | None = None
+
+    def __post_init__(self) -> None:
+        for name, low in (("window", 0.0), ("slowest", 0.0), ("settle", 0.0)):
+            value = getattr(self, name)
+            if value is None and name == "settle":
+                continue
+            if not (math.isfinite(value) and value >= low) or (name == "window" and value <= 0):
+                raise ParameterError(f"{name} is {value}; expected a finite number above {low:g}")
+        if not -1.0 <= self.threshold <= 1.0:
+            raise ParameterError(f"threshold is {self.threshold}; γ lies between -1 and 1")
+        radii = np.atleast_1d(np.asarray(1.0 if self.radius is None else self.radius, dtype=float))
+        if not (np.isfinite(radii).all() and (radii > 0).all()):
+            raise ParameterError(f"neighbour radius is {self.radius}; expected metres above 0")
+
+
+def settled_samples(t: Floats, settle: float | None) -> NDArray[np.bool_]:
+    """Return which samples come later than `settle` seconds; all of them in a shorter run."""
+    elapsed = t - t[0]
+    settle = SETTLE if settle is None else settle
+    later = ties.beyond(elapsed, settle)
+    return later if later.any() else np.ones(len(t), dtype=bool)

@@ -1,0 +1,94 @@
+"""The plots of the page, in reading order: curves are drawn in one because they share an axis.
+
+Which curves a plot shows is said by the metrics themselves (see `metric_registry.Metric`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+from rps_compat.testbed import RobotModel
+
+
+@dataclass(frozen=True)
+class Line:
+    """A level drawn across a plot.
+
+    Attributes
+    ----------
+    label : str
+        What lies there.
+    level : callable
+        Of the run's robot and arena, in the plot's unit.
+    """
+
+    label: str
+    level: Callable[[RobotModel], float] = lambda robot: 0.0
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One plot over time.
+
+    Attributes
+    ----------
+    key : str
+        Its name for programs.
+    title : str
+        Its heading.
+    unit : str
+        What the vertical axis is in; empty for pure numbers.
+    limits : pair of float
+        Ends of that axis; None where the curves decide.
+    lines : tuple of Line
+        Levels to hold the curves against.
+    """
+
+    key: str
+    title: str
+    unit: str
+    limits: tuple[float | None, float | None] = (None, None)
+    lines: tuple[Line, ...] = ()
+
+
+ALIGNMENT = Panel("alignment", "Alignment", "γ", (None, 1.02))
+LEFT_OUT = Panel("left_out", "Robots left out of γ", "share", (0.0, 1.02))
+POLARISATION = Panel("polarisation", "Polarisation", "", (0.0, 1.02))
+SPEED = Panel("speed", "Speed", "m/s", (0.0, None))
+DISTANCE = Panel(
+    "distance",
+    "Distances between robots",
+    "m",
+    (0.0, None),
+    (Line("collision", lambda robot: robot.collision_diameter),),
+)
+WALLS = Panel("walls", "Distance to the nearest wall", "m", lines=(Line("wall"),))
+COHESION = Panel("cohesion", "Cohesion", "m", (0.0, None))
+CONNECTIVITY = Panel("connectivity", "Connectivity", "", (0.0, None))
+HEADING = Panel("heading", "Heading of the flock", "rad")
+CERTIFICATE = Panel("certificate", "Certificate", "m/s", (0.0, None))
+CLEARANCE = Panel("clearance", "Clearance", "m", lines=(Line("unsafe"),))
+WHEELS = Panel("wheels", "Fastest wheel", "rad/s", (0.0, None))
+
+READING_ORDER = (
+    ALIGNMENT,
+    LEFT_OUT,
+    POLARISATION,
+    SPEED,
+    DISTANCE,
+    WALLS,
+    COHESION,
+    CONNECTIVITY,
+    HEADING,
+    CERTIFICATE,
+    CLEARANCE,
+    WHEELS,
+)
+
+
+def in_reading_order(panels: Iterable[Panel]) -> list[Panel]:
+    """Return each plot once: those of `READING_ORDER` first, then any other as it comes."""
+    wanted = list(dict.fromkeys(panels))
+    known = [panel for panel in READING_ORDER if panel in wanted]
+    return known + [panel for panel in wanted if panel not in READING_ORDER]

@@ -1,0 +1,267 @@
+"""What the page's scripts draw: poses for the replay and curves for the plots, in few bytes.
+
+Poses are embedded as 16-bit steps of the arena (0.05 mm), curves as 32-bit floats. A run too long
+for that is thinned by a whole factor, keeping the smallest of distances and the largest of
+speeds in each block, and the page says so.
+"""
+
+from __future__ import annotations
+
+import base64
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from posflock_robotarium.alignment.analysis import Analysis
+from posflock_robotarium.alignment.catalogue import Metric, Panel, metrics, panels
+
+Floats = NDArray[np.float64]
+
+LARGEST = 1_900_000
+"""Bytes of embedded data, before base64; the finished page stays below 3 MB."""
+
+COMMON_SAMPLES = 1500
+"""Samples of the common time axis on which several runs are overlaid."""
+
+EVENTS_SHOWN = 200
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A fault on the time axis of the replay, in seconds."""
+
+    kind: str
+    robots: tuple[int, ...]
+    t: float
+    end: float
+
+
+@dataclass(frozen=True)
+class Replay:
+    """One run seen from above.
+
+    Attributes
+    ----------
+    name : str
+        Of the run.
+    robots, stride : int
+        How many, and every how manieth sample is embedded.
+    start : float
+        First time, seconds.
+    t, poses : str
+        Base64 of 32-bit times and of 16-bit poses.
+    low, span : list of float
+        What the 16-bit positions count from, and over; metres, x and y.
+    arena : tuple of float
+        Left, right, bottom, top, metres.
+    collision : pair of float
+        Diameter, and how far ahead of the centre, metres.
+    radius : list of float
+        Neighbour radius of each robot, metres.
+    events : tuple of Mark
+        Faults, the first `EVENTS_SHOWN`.
+    """
+
+    name: str
+    robots: int
+    stride: int
+    start: float
+    t: str
+    poses: str
+    low: list[float]
+    span: list[float]
+    arena: tuple[float, ...]
+    collision: tuple[float, float]
+    radius: list[float]
+    events: tuple[Mark, ...]
+
+
+@dataclass(frozen=True)
+class Series:
+    """One line of a plot; `extent` is its least, mean and greatest value, `values` base64."""
+
+    label: str
+    key: str
+    unit: str
+    extent: tuple[float | None, float | None, float | None]
+    values: str
+
+
+@dataclass(frozen=True)
+class Plot:
+    """One plot over time, as its `Panel` describes it; `lines` are pairs of level and label."""
+
+    key: str
+    title: str
+    unit: str
+    limits: tuple[float | None, float | None]
+    lines: tuple[tuple[float, str], ...]
+    series: tuple[Series, ...]
+
+
+@dataclass(frozen=True)
+class Watched:
+    """A curve whose value stands beside the replay."""
+
+    key: str
+    label: str
+    unit: str
+
+
+@dataclass(frozen=True)
+class PageData:
+    """Everything that the scripts are given; `time` is base64, `gaps` in seconds."""
+
+    runs: tuple[Replay, ...]
+    time: str
+    gaps: list[float]
+    panels: tuple[Plot, ...]
+    beside_replay: tuple[Watched, ...]
+
+
+def page_data(analyses: Sequence[Analysis]) -> PageData:
+    """Return what is embedded of one run, or of several overlaid.
+
+    Parameters
+    ----------
+    analyses : sequence of Analysis
+        At least one.
+    """
+    budget = LARGEST // len(analyses)
+    runs = tuple(_replay(analysis, budget) for analysis in analyses)
+    first = analyses[0]
+    gaps: list[float] = []
+    if len(analyses) == 1:
+        stride = runs[0].stride
+        time = first.recording.t[::stride]
+        gaps = first.recording.t[first.recording.gaps].round(4).tolist()
+        drawn = [_plot(panel, shown, first, stride) for panel, shown in panels()]
+    else:
+        last = max(float(a.recording.t[-1] - a.recording.t[0]) for a in analyses)
+        time = np.linspace(0.0, last, COMMON_SAMPLES)
+        drawn = [_overlay(panel, shown[0], analyses, time) for panel, shown in panels()]
+    return PageData(
+        runs=runs,
+        time=_b64(np.asarray(time, dtype=np.float32)),
+        gaps=gaps,
+        panels=tuple(plot for plot in drawn if plot.series),
+        beside_replay=tuple(
+            Watched(metric.key, metric.label, metric.unit)
+            for metric in metrics().values()
+            if metric.beside_replay
+        ),
+    )
+
+
+def _replay(analysis: Analysis, budget: int) -> Replay:
+    recording, robot = analysis.recording, analysis.robot
+    samples, _, robots = recording.poses.shape
+    # A frame is three 16-bit numbers a robot, and the time and the curves at four bytes each.
+    frame = 6 * robots + 4 * (1 + len(analysis.curves))
+    stride = max(1, math.ceil(samples * frame / budget))
+    poses = recording.poses[::stride]
+    low = poses[:, :2].min(axis=(0, 2))
+    span = np.maximum(poses[:, :2].max(axis=(0, 2)) - low, 1e-6)
+    steps = np.empty(poses.shape, dtype=np.uint16)
+    scaled = (poses[:, :2] - low[:, np.newaxis]) / span[:, np.newaxis]
+    steps[:, :2] = np.rint(scaled * 65534)
+    steps[:, 2] = np.rint(np.remainder(poses[:, 2], 2 * np.pi) / (2 * np.pi) * 65534)
+    return Replay(
+        name=analysis.name,
+        robots=robots,
+        stride=stride,
+        start=float(recording.t[0]),
+        t=_b64(recording.t[::stride].astype(np.float32)),
+        poses=_b64(steps),
+        low=low.tolist(),
+        span=span.tolist(),
+        arena=tuple(robot.boundaries),
+        collision=(robot.collision_diameter, robot.collision_offset),
+        radius=np.broadcast_to(np.asarray(analysis.options.radius, float), robots).tolist(),
+        events=tuple(
+            Mark(
+                event.kind,
+                event.robots,
+                float(recording.t[event.first]),
+                float(recording.t[event.last]),
+            )
+            for event in analysis.events[:EVENTS_SHOWN]
+        ),
+    )
+
+
+def _plot(panel: Panel, shown: Sequence[Metric], analysis: Analysis, stride: int) -> Plot:
+    series = [
+        _series(metric.label, metric, _thinned(_unjoined(curve, metric), metric, stride))
+        for metric in shown
+        if (curve := _known_curve(analysis, metric)) is not None
+    ]
+    return _described(panel, panel.title, series, analysis)
+
+
+def _overlay(panel: Panel, metric: Metric, analyses: Sequence[Analysis], time: Floats) -> Plot:
+    series = []
+    for analysis in analyses:
+        curve = _known_curve(analysis, metric)
+        if curve is None:
+            continue
+        elapsed = analysis.recording.t - analysis.recording.t[0]
+        nearest = np.clip(np.searchsorted(elapsed, time), 0, len(elapsed) - 1)
+        values = np.where(time <= elapsed[-1], curve[nearest], np.nan)
+        series.append(_series(analysis.name, metric, values))
+    label = metric.label
+    title = label[0].upper() + label[1:] if label[0].isascii() else label
+    return _described(panel, title, series, analyses[0])
+
+
+def _known_curve(analysis: Analysis, metric: Metric) -> Floats | None:
+    """Return a curve that is defined at some time; None of any other."""
+    curve = analysis.curves.get(metric.key)
+    return curve if curve is not None and np.isfinite(curve).any() else None
+
+
+def _described(panel: Panel, title: str, series: Sequence[Series], first: Analysis) -> Plot:
+    lines = tuple((line.level(first.robot), line.label) for line in panel.lines)
+    return Plot(panel.key, title, panel.unit, panel.limits, lines, tuple(series))
+
+
+def _series(label: str, metric: Metric, values: Floats) -> Series:
+    known = values[np.isfinite(values)]
+    extent = (
+        (float(known.min()), float(known.mean()), float(known.max()))
+        if known.size
+        else (None, None, None)
+    )
+    return Series(label, metric.key, metric.unit, extent, _b64(values.astype(np.float32)))
+
+
+def _unjoined(curve: Floats, metric: Metric) -> Floats:
+    """Take out the sample at which an angle jumps by a turn, lest a line be drawn across."""
+    if metric.unit != "rad":
+        return curve
+    jump = np.abs(np.diff(curve, prepend=curve[:1])) > np.pi
+    return np.where(jump, np.nan, curve)
+
+
+def _thinned(curve: Floats, metric: Metric, stride: int) -> Floats:
+    """Keep one value a block: the one that matters for this metric."""
+    if stride == 1:
+        return curve
+    blocks = math.ceil(len(curve) / stride)
+    padded = np.concatenate([curve, np.full(blocks * stride - len(curve), np.nan)])
+    table = padded.reshape(blocks, stride)
+    if metric.of_interest == "mean":
+        return table[:, 0]
+    smallest = metric.of_interest == "smallest"
+    filled = np.where(np.isnan(table), np.inf if smallest else -np.inf, table)
+    best = filled.min(axis=1) if smallest else filled.max(axis=1)
+    return np.where(np.isinf(best), np.nan, best)
+
+
+def _b64(array: NDArray[Any]) -> str:
+    little = array.astype(array.dtype.newbyteorder("<"), copy=False)
+    return base64.b64encode(np.ascontiguousarray(little).tobytes()).decode()
