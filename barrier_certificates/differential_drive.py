@@ -58,7 +58,13 @@ class DifferentialDrive:
         self.check()
 
     def check(self) -> None:
-        """Refuse values that make no sense."""
+        """Refuse values that make no sense.
+
+        Raises
+        ------
+        ParameterError
+            If a value is out of its range, or a time step is given without a limit on turning.
+        """
         checks.positive("projection_distance", self.projection_distance, "of metres")
         checks.positive_or_none("speed_limit", self.speed_limit, "of m/s, or None")
         checks.positive_or_none("turn_rate_limit", self.turn_rate_limit, "of rad/s, or None")
