@@ -16,7 +16,17 @@ class MissingExtraError(RobotariumError, ImportError):
 
 
 class Deferred:
-    """Stands for the object `name` of the module `module` of `package`, imported when used."""
+    """Stands for the object `name` of the module `module` of `package`, imported when used.
+
+    Parameters
+    ----------
+    package : str
+        What has to be installed.
+    module : str
+        The module, by its dotted name.
+    name : str
+        The object in it; empty for the module itself.
+    """
 
     def __init__(self, package: str, module: str, name: str = "") -> None:
         self._package, self._module, self._name = package, module, name

@@ -31,7 +31,15 @@ if TYPE_CHECKING:
 
 
 class Interpreter(Evaluator):
-    """Walks through one module and the functions that it defines."""
+    """Walks through one module and the functions that it defines.
+
+    Parameters
+    ----------
+    program : Program
+        The script and the modules beside it.
+    module : Module
+        The one to walk through.
+    """
 
     def __init__(self, program: Program, module: Module) -> None:
         super().__init__(program, module)
@@ -108,7 +116,15 @@ class Interpreter(Evaluator):
                 self.bind(part, elements(values))
 
     def bind_name(self, name: str, values: Values) -> None:
-        """Let a name of the current scope stand for `values`."""
+        """Let a name of the current scope stand for something.
+
+        Parameters
+        ----------
+        name : str
+            The name.
+        values : frozenset
+            What it may stand for.
+        """
         if name in self.scope.elsewhere:
             self.program.add(self.scope.elsewhere[name].ever, name, values)
             return

@@ -48,7 +48,13 @@ class Renaming:
         }
 
     def edits(self, use: Use) -> tuple[Edit, ...]:
-        """Return the edits that mend one use; none where a call or a person has to."""
+        """Return the edits that mend one use; none where a call or a person has to.
+
+        Parameters
+        ----------
+        use : Use
+            The use.
+        """
         if isinstance(use.entry, Change):
             return self._of_change(use.node, use.entry)
         if not isinstance(use.entry, ApiName):
@@ -86,7 +92,13 @@ class Renaming:
         return edits
 
     def brought(self, name: str) -> tuple[Edit, ...]:
-        """Return the import of a function that no star of the script brings; none if one does."""
+        """Return the import of a function that no star of the script brings; none if one does.
+
+        Parameters
+        ----------
+        name : str
+            The function.
+        """
         stars = self._program.main.stars
         if any(brings(star, name, self._generation) for star in stars):
             return ()
