@@ -118,6 +118,11 @@ def topological_neighbors(laplacian: Array, agent: int) -> Indices:
         Laplacian of the graph.
     agent : int
         The agent's node.
+
+    Returns
+    -------
+    (k,) integer array
+        Numbers of the neighbours.
     """
     joined = laplacian[agent] != 0
     joined[agent] = False
@@ -135,6 +140,11 @@ def disk_neighbors(positions: Array, agent: int, radius: float) -> Indices:
         Column of the one in the middle.
     radius : float
         The radius, m; who is exactly there counts.
+
+    Returns
+    -------
+    (k,) integer array
+        Numbers of the neighbours.
     """
     near: NDArray[np.bool_] = within(
         np.linalg.norm(positions - positions[:, [agent]], axis=0), radius

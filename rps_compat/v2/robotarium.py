@@ -42,7 +42,13 @@ def __getattr__(name: str) -> Any:
 
 
 class Robotarium(ARobotarium):
-    """N robots in the arena, commanded as unicycles. See :class:`ARobotarium`."""
+    """N robots in the arena, commanded as unicycles. See :class:`ARobotarium`.
+
+    Parameters
+    ----------
+    **kwargs
+        As for :class:`ARobotarium`.
+    """
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)

@@ -69,6 +69,13 @@ def create_si_to_uni_dynamics_with_backwards_motion(
 
     The name promises robots that drive backwards rather than turn round; in generation 1 they
     turn round. Generation 2 keeps the promise.
+
+    Parameters
+    ----------
+    linear_velocity_gain : float
+        Factor on the forward speed, > 0.
+    angular_velocity_limit : float
+        Turn rate (rad/s, >= 0) for a velocity at a right angle to the heading.
     """
     return create_si_to_uni_dynamics(linear_velocity_gain, angular_velocity_limit)
 

@@ -183,8 +183,21 @@ def create_pose_parking_controller_clf(
 ) -> Controller:
     """Create ``controller_clf_parking(states, poses)``: a smooth curve, and stop at the pose.
 
-    As :func:`create_pose_controller_clf`, but a robot within `position_error` (m) and
-    `rotation_error` (rad) of its pose stands still.
+    Parameters
+    ----------
+    approach_angle_gain, desired_angle_gain, rotation_error_gain : float
+        γ, k and h of :func:`rps_compat.controllers.command_to_pose`.
+    wheel_velocity_limit : float
+        A command that needs faster wheels (rad/s) is scaled down as a whole.
+    wheel_radius, base_length : float
+        Of the robot (m).
+    position_error, rotation_error : float
+        A robot that is within both of its pose (m, rad) stands still.
+
+    Returns
+    -------
+    callable
+        As that of :func:`create_pose_controller_clf`.
     """
     approach = create_pose_controller_clf(
         approach_angle_gain,
@@ -272,9 +285,25 @@ def create_pose_parking_controller_hybrid(
 ) -> Controller:
     """Create ``controller_hybrid_parking(states, poses)``: drive, turn, and stand at the pose.
 
-    The controller of :func:`create_pose_controller_hybrid`, but a robot within `position_error`
-    (m) and `rotation_error` (rad) of its pose stands still; who is approaching is always
-    remembered inside.
+    Parameters
+    ----------
+    linear_velocity_gain : float
+        Factor on the forward speed while driving, > 0.
+    angular_velocity_limit : float
+        Turn rate (rad/s, >= 0) for a goal at a right angle while driving.
+    velocity_magnitude_limit : float
+        Fastest speed while driving (m/s).
+    position_error, position_epsilon : float
+        A robot drives until it is within `position_error` − `position_epsilon` (m) of its goal, and
+        again in the step after it was seen farther than `position_error` away.
+    rotation_error : float
+        A robot within this (rad) and `position_error` of its pose stands still.
+
+    Returns
+    -------
+    callable
+        From poses (3, N) and goals (3, N) to commands (v; ω) (2, N). Who is approaching is always
+        remembered inside.
     """
     step = _Hybrid(
         create_si_to_uni_dynamics(linear_velocity_gain, angular_velocity_limit),
