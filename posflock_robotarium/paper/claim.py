@@ -35,12 +35,12 @@ class Claim:
         What is measured, in words.
     measure : function of Evidence
         The number.
-    unit : str
-        Of the number; empty for shares and cosines.
     sense : {"at least", "at most"}
         Which side of the thresholds the paper claims.
     holds, weakly : float
         The thresholds.
+    unit : str
+        Of the number; empty for shares and cosines.
     reasons : dict of verdict to str
         Why, for the verdicts that need explaining.
     """
@@ -56,7 +56,13 @@ class Claim:
     reasons: Mapping[Verdict, str] = field(default_factory=dict)
 
     def judge(self, evidence: Evidence) -> Judgement:
-        """Measure, and compare with the thresholds."""
+        """Measure, and compare with the thresholds.
+
+        Parameters
+        ----------
+        evidence : Evidence
+            Every run of the reproduction.
+        """
         value = float(self.measure(evidence))
         return Judgement(self, value, self._verdict(value))
 
@@ -70,7 +76,17 @@ class Claim:
 
 @dataclass(frozen=True)
 class Judgement:
-    """What became of a claim."""
+    """What became of a claim.
+
+    Attributes
+    ----------
+    claim : Claim
+        The claim.
+    value : float
+        What was measured, in the claim's unit.
+    verdict : str
+        Whether it holds.
+    """
 
     claim: Claim
     value: float

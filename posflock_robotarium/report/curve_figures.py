@@ -88,7 +88,13 @@ _SHORT = {
 
 @in_style
 def alignment(analysis: Analysis) -> Figure:
-    """Draw γ by its three estimators, and below it the share of robots that each leaves out."""
+    """Draw γ by its three estimators, and below it the share of robots that each leaves out.
+
+    Parameters
+    ----------
+    analysis : Analysis
+        The run.
+    """
     figure = new_figure(3.5, 3.1)
     top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1])
     curves = ("gamma_differences", "gamma_headings", "gamma_motion")
@@ -106,7 +112,13 @@ def alignment(analysis: Analysis) -> Figure:
 
 @in_style
 def distances(analysis: Analysis) -> Figure:
-    """Draw distances between robots and to the walls with the testbed's collision line."""
+    """Draw distances between robots and to the walls with the testbed's collision line.
+
+    Parameters
+    ----------
+    analysis : Analysis
+        The run.
+    """
     figure = new_figure(3.5, 2.6)
     axes = figure.subplots()
     for key, style in zip(
@@ -135,7 +147,13 @@ def distances(analysis: Analysis) -> Figure:
 
 @in_style
 def motion(analysis: Analysis) -> Figure:
-    """Draw speeds, slowest to fastest robot, and the speed of the centroid."""
+    """Draw speeds, slowest to fastest robot, and the speed of the centroid.
+
+    Parameters
+    ----------
+    analysis : Analysis
+        The run.
+    """
     figure = new_figure(3.5, 2.4)
     axes = figure.subplots()
     t, curves = analysis.recording.t, analysis.curves
@@ -158,7 +176,13 @@ def motion(analysis: Analysis) -> Figure:
 
 @in_style
 def runs(analyses: Sequence[Analysis]) -> Figure:
-    """Draw γ from motion and the closest pair of every run, their mean and 95 % interval."""
+    """Draw γ from motion and the closest pair of every run, their mean and 95 % interval.
+
+    Parameters
+    ----------
+    analyses : sequence of Analysis
+        The runs.
+    """
     figure = new_figure(7.2, 2.6)
     left, right = figure.subplots(1, 2)
     for axes, key, label in (

@@ -94,6 +94,18 @@ def write_curves(analyses: Sequence[Analysis], path: Path) -> Path:
     """Write every metric over time as CSV, numbers in full precision, undefined ones empty.
 
     Several runs are told apart by a first column ``run``.
+
+    Parameters
+    ----------
+    analyses : sequence of Analysis
+        The runs.
+    path : Path
+        The file.
+
+    Raises
+    ------
+    OutputError
+        Where it cannot be written.
     """
     keys = list(dict.fromkeys(key for analysis in analyses for key in analysis.curves))
     several = len(analyses) > 1
@@ -115,7 +127,22 @@ def write_curves(analyses: Sequence[Analysis], path: Path) -> Path:
 
 
 def write_summary(analyses: Sequence[Analysis], comparison: Comparison | None, path: Path) -> Path:
-    """Write all numbers with units, definitions, estimators and parameters as JSON."""
+    """Write all numbers with units, definitions, estimators and parameters as JSON.
+
+    Parameters
+    ----------
+    analyses : sequence of Analysis
+        The runs.
+    comparison : Comparison or None
+        Of several runs; None for one.
+    path : Path
+        The file.
+
+    Raises
+    ------
+    OutputError
+        Where it cannot be written.
+    """
     summary: dict[str, Any]
     if comparison is None:
         summary = analyses[0].summary()

@@ -101,6 +101,15 @@ def write_page(
 ) -> Path:
     """Write the page.
 
+    Parameters
+    ----------
+    analyses : sequence of Analysis
+        The runs.
+    path : Path
+        The file.
+    comparison : Comparison, optional
+        Of several runs; None for one.
+
     Raises
     ------
     OutputError

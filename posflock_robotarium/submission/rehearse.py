@@ -335,6 +335,11 @@ def _empty(out: Path) -> None:
 def report_on(done: Rehearsal) -> Path | None:
     """Open the pose logs that came back with the report, and return its page; None without any.
 
+    Parameters
+    ----------
+    done : Rehearsal
+        What came back.
+
     Raises
     ------
     PosflockError

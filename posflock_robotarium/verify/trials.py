@@ -219,7 +219,7 @@ class TrialRoom:
             How the robots come to their initial conditions.
         seed : int
             Of everything random.
-        moments
+        **moments
             When it ends, as `RunPlan` has it: longest, interrupt_at, kill_at, only_start.
         """
         scratch, watched = self._folder / name / "scratch", self._folder / name / "watched"
