@@ -204,9 +204,25 @@ class PointsAhead:
     def __call__(
         self, commands: Array, poses: Array, obstacles: Array | None = None
     ) -> tuple[Array, ProjectionInfo]:
-        """Safe commands (v; ω) (2, N) nearest to `commands` for `poses` (3, N), and what was done.
+        """Return the safe commands nearest to those given, and what was done.
 
-        Nearest is meant at the points; `obstacles` are points (2, M) that stand still.
+        Nearest is meant at the points.
+
+        Parameters
+        ----------
+        commands : (2, N) array
+            Commands (v; ω), m/s and rad/s.
+        poses : (3, N) array
+            Poses, m and rad.
+        obstacles : (2, M) array, optional
+            Points that stand still, m.
+
+        Returns
+        -------
+        safe : (2, N) array
+            Commands (v; ω), m/s and rad/s.
+        info : ProjectionInfo
+            What was done.
         """
         wanted = kinematics.point_velocity(commands, poses, self.distance)
         if self.speed_limit is not None:

@@ -42,7 +42,13 @@ class Deferred:
         return getattr(module, self._name) if self._name else module
 
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
-        """Call what it stands for."""
+        """Call what it stands for.
+
+        Parameters
+        ----------
+        *args, **kwargs
+            Its own.
+        """
         return self._object()(*args, **kwargs)
 
     def __getattr__(self, attribute: str) -> Any:

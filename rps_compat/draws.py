@@ -176,7 +176,18 @@ class Curve:
         return max((factor for _, factor in self.points), default=1.0)
 
     def __call__(self, speeds: Array) -> Array | float:
-        """Return the factor at `speeds` (N,) ≥ 0."""
+        """Return the factor at some speeds.
+
+        Parameters
+        ----------
+        speeds : (N,) array
+            Speeds without their sign, in the unit of the points.
+
+        Returns
+        -------
+        float or (N,) array
+            The factors; 1.0 where there are no points.
+        """
         if not self.points:
             return 1.0
         at, factors = zip(*self.points, strict=True)

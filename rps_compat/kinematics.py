@@ -4,9 +4,9 @@ A unicycle at (x, y, θ) takes a forward speed v and a turn rate ω; it cannot m
 velocity u of its centre cannot be obeyed at once. There are two ways out:
 
 - **Project.** A point at distance d ahead of the centre, q = p + d e with e = (cos θ, sin θ), *can*
-  move in any direction: q̇ = v e + d ω e⊥. This is a linear bijection for d > 0, so a point velocity
-  has exactly one command: v = e·q̇, ω = e⊥·q̇ / d (feedback linearisation; Siciliano et al.,
-  *Robotics*, section 11.6).
+  move in any direction: q̇ = v e + d ω e⊥. It is called projection point, or look-ahead point. This
+  is a linear bijection for d > 0, so a point velocity has exactly one command: v = e·q̇,
+  ω = e⊥·q̇ / d (feedback linearisation; Siciliano et al., *Robotics*, section 11.6).
 - **Turn, then drive.** v is the component of u along the heading, and ω is proportional to the
   angle between heading and u.
 

@@ -36,10 +36,10 @@ class Solve(Protocol):
         ----------
         rows : Rows
             All rows.
-        which : integer array
-            The rows to satisfy.
+        which : (k,) integer array
+            Indices of the rows to satisfy.
         target : (size,) array
-            The point to be projected.
+            The point to be projected, m/s.
         options : mapping
             The solver's own, by their own names; they hold for this call.
 

@@ -172,7 +172,13 @@ class PoseLog:
         self.rows += 1
 
     def annotate(self, **values: Any) -> None:
-        """Add what became known during the run to the description beside the log."""
+        """Add what became known during the run to the description beside the log.
+
+        Parameters
+        ----------
+        **values
+            What to say, by name; anything that JSON can hold.
+        """
         self._metadata.update(values)
         ended = self._metadata["ended"]
         self._describe(ended["how"], ended["reason"])

@@ -91,7 +91,7 @@ def median_gain(evidence: Evidence) -> float:
 
 
 def distance_fluctuation(evidence: Evidence) -> float:
-    """Measure the relative deviation of the nearest-neighbour distance, t > 20 s, median over seeds.
+    """Measure the median relative deviation of the nearest-neighbour distance, t > 20 s.
 
     Parameters
     ----------

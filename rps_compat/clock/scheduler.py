@@ -181,7 +181,13 @@ class Scheduler(Roster):
             self._changed()
 
     def wake(self, wait: Wait) -> None:
-        """End a wait before its deadline."""
+        """End a wait before its deadline.
+
+        Parameters
+        ----------
+        wait : Wait
+            The wait.
+        """
         with self.lock:
             if not wait.over:
                 wait.woken = True

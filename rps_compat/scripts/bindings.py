@@ -99,7 +99,15 @@ class Interpreter(Evaluator):
     # --- Binding ---------------------------------------------------------------------------
 
     def bind(self, target: ast.expr, values: Values) -> None:
-        """Let a target of an assignment stand for `values`."""
+        """Let the target of an assignment stand for something.
+
+        Parameters
+        ----------
+        target : ast.expr
+            The target.
+        values : frozenset
+            What it may stand for.
+        """
         if isinstance(target, ast.Name):
             self.program.values[target] |= values
             self.bind_name(target.id, values)

@@ -52,7 +52,22 @@ class ObstacleFilter(Protocol):
     """A function of commands and poses that may be told of obstacles."""
 
     def __call__(self, dxu: Array, x: Array, obstacles: Array | None = ...) -> Array:
-        """Commands (v; ω) (2, N)."""
+        """Return the safe commands nearest to those wanted.
+
+        Parameters
+        ----------
+        dxu : (2, N) array
+            Commands (v; ω), m/s and rad/s.
+        x : (3, N) array
+            Poses, m and rad.
+        obstacles : (2, M) array, optional
+            Points that stand still, m.
+
+        Returns
+        -------
+        (2, N) array
+            Commands (v; ω), m/s and rad/s.
+        """
 
 
 def create_si_barrier_certificate(

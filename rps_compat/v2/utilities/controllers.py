@@ -42,7 +42,24 @@ class HybridController(Protocol):
     def __call__(
         self, states: Array, poses: Array, in_approach_state: MutableSequence[int] | None = ...
     ) -> Any:
-        """Commands (v; ω) (2, N), and the memory if it was handed in."""
+        """Return commands that bring robots to their poses.
+
+        Parameters
+        ----------
+        states : (3, N) array
+            Poses now, m and rad.
+        poses : (3, N) array
+            Poses to reach, m and rad.
+        in_approach_state : sequence of N flags, optional
+            Who is still approaching; updated in place.
+
+        Returns
+        -------
+        commands : (2, N) array
+            Commands (v; ω), m/s and rad/s.
+        in_approach_state : sequence of N flags
+            The memory, if it was handed in.
+        """
 
 
 def create_si_position_controller(
