@@ -109,7 +109,7 @@ class Analysis:
         Which robot that is, in words.
     estimators : dict of str
         Estimator to the sentence that describes it.
-    curves : dict of ndarray, shape (T,)
+    curves : dict of (T,) arrays
         Values over time by the key of their `catalogue.Quantity`; NaN where undefined.
     numbers : dict of Number
         Every scalar of the summary, with unit and definition.
@@ -151,7 +151,7 @@ class Analysis:
 
     @property
     def settled(self) -> NDArray[np.bool_]:
-        """Samples that count for the numbers named "settled"."""
+        """Samples that count for the numbers named "settled": (T,) booleans."""
         return settled_samples(self.recording.t, self.options.settle)
 
     def summary(self) -> dict[str, Any]:
@@ -187,6 +187,11 @@ class Analysis:
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Save poses, curves and summary in one ``.npz`` that `load` reads back, bit for bit.
 
+        Parameters
+        ----------
+        path : path
+            The file.
+
         Raises
         ------
         OutputError
@@ -213,7 +218,20 @@ class Analysis:
 
 
 def settled_samples(t: Floats, settle: float | None) -> NDArray[np.bool_]:
-    """Return which samples come later than `settle` seconds; all of them in a shorter run."""
+    """Return which samples are later than the first transient; all of them in a shorter run.
+
+    Parameters
+    ----------
+    t : (T,) array
+        Times, s.
+    settle : float or None
+        Seconds from the start that do not count; None for `SETTLE`.
+
+    Returns
+    -------
+    (T,) boolean array
+        True for those that count.
+    """
     elapsed = t - t[0]
     settle = SETTLE if settle is None else settle
     later = ties.beyond(elapsed, settle)
@@ -286,6 +304,11 @@ def analyse(
 def load(path: str | os.PathLike[str]) -> Analysis:
     """Read an analysis back that `Analysis.save` wrote.
 
+    Parameters
+    ----------
+    path : path
+        The file.
+
     Raises
     ------
     LogError
@@ -335,7 +358,13 @@ def load(path: str | os.PathLike[str]) -> Analysis:
 
 
 def is_analysis(path: str | os.PathLike[str]) -> bool:
-    """Tell whether a file is a saved analysis and not a log."""
+    """Tell whether a file is a saved analysis and not a log.
+
+    Parameters
+    ----------
+    path : path
+        The file; it need not be there.
+    """
     try:
         with zipfile.ZipFile(path) as archive:
             return "analysis.npy" in archive.namelist()
@@ -344,7 +373,13 @@ def is_analysis(path: str | os.PathLike[str]) -> bool:
 
 
 def statistics(curve: Floats) -> dict[str, float | int]:
-    """Return mean, standard deviation, smallest, largest and how many samples are undefined."""
+    """Return mean, standard deviation, smallest, largest and how many samples are undefined.
+
+    Parameters
+    ----------
+    curve : (T,) array
+        Values over time, NaN where undefined.
+    """
     known = curve[np.isfinite(curve)]
     if not known.size:
         return {key: float("nan") for key in ("mean", "sd", "smallest", "largest")} | {

@@ -35,7 +35,23 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Panel:
-    """Curves that are drawn in one plot because they share an axis."""
+    """Curves that are drawn in one plot because they share an axis.
+
+    Attributes
+    ----------
+    key : str
+        Name of the plot in JSON.
+    title : str
+        Words for people.
+    unit : str
+        Of the axis; empty for pure numbers.
+    curves : tuple of str
+        Keys of its quantities.
+    limits : (float or None, float or None)
+        Ends of the axis that are fixed.
+    lines : tuple of (float, str)
+        Values that are marked, and what they are.
+    """
 
     key: str
     title: str

@@ -35,12 +35,21 @@ SHARED = 0.1
 
 @dataclass(frozen=True, eq=False)
 class Curves:
-    """Values over time by the key of their `catalogue.Quantity`, and what went wrong when."""
+    """Values over time, and what went wrong when.
+
+    Attributes
+    ----------
+    values : dict of (T,) arrays
+        By the key of their `catalogue.Quantity`.
+    violations : Violations
+        What the arena holds against the run.
+    speeds : (T, N) array
+        Savitzky-Golay speed of each robot, m/s.
+    """
 
     values: dict[str, Floats]
     violations: Violations
     speeds: Floats = field(repr=False)
-    """Savitzky-Golay speed of each robot, shape (T, N)."""
 
 
 def compute(
@@ -58,7 +67,7 @@ def compute(
         Poses over time.
     motions : dict
         Velocities by estimator.
-    radius : float or ndarray, shape (N,)
+    radius : float or (N,) array
         Neighbour radius in metres.
     slowest : float
         Speed in m/s up to which a robot has no direction of motion.

@@ -33,7 +33,21 @@ STALL_SECONDS = 1.0
 
 @dataclass(frozen=True)
 class Number:
-    """One scalar of the summary."""
+    """One scalar of the summary.
+
+    Attributes
+    ----------
+    label : str
+        Words for people.
+    value : float
+        NaN where undefined.
+    unit : str
+        Empty for pure numbers.
+    definition : str
+        What exactly was taken.
+    group : str
+        Table of the summary that it belongs to.
+    """
 
     label: str
     value: float
@@ -44,7 +58,25 @@ class Number:
 
 @dataclass(frozen=True, eq=False)
 class Situation:
-    """Everything the numbers are taken from."""
+    """Everything the numbers are taken from.
+
+    Attributes
+    ----------
+    recording : Run
+        Poses over time.
+    curves : Curves
+        Every quantity over time.
+    robot : RobotModel
+        Collision test, wheels and arena of the testbed.
+    settled : (T,) boolean array
+        Samples that count for the numbers named "settled".
+    slowest : float
+        Speed up to which a robot has no direction of motion, m/s.
+    threshold : float
+        γ from which the flock counts as aligned.
+    window : float
+        Length of the Savitzky-Golay window, s.
+    """
 
     recording: Run
     curves: Curves
