@@ -112,7 +112,7 @@ class Profile:
     dead_band : DeadBand, optional
         Commands too small to move.
     gains : Gains, optional
-        Wheels faster or slower than told.
+        Robots faster or slower than told.
     lag : Lag, optional
         Motors that need time to follow.
     wheel_slew : WheelSlew, optional

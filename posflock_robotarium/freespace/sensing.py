@@ -225,7 +225,7 @@ class Sensors:
         flock : int
             Number of the flock in the batch.
         other : (M,) integer array
-            Whom each pair is about to sense.
+            Whom the agent of each pair may sense.
         time : float
             Seconds since the imprint.
 

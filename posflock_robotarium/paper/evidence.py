@@ -140,7 +140,7 @@ class Evidence:
         Returns
         -------
         dict of (B,) arrays
-            By the key of the number; over seeds.
+            By the key of the number, as in `summarise`; over seeds.
         """
         return summarise(self.measures[model])
 

@@ -88,7 +88,7 @@ class Measures:
         Parameters
         ----------
         time_step : float
-            The step's duration, s; what is left of it after the script's own time passes.
+            The step's duration, s.
         """
         self.clock.advance(self._left)
 

@@ -50,8 +50,8 @@ class PoseController(Protocol):
             Poses now, m and rad.
         poses : (3, N) array
             Poses to reach, m and rad.
-        approach_state : (N,) array
-            Who is still approaching; updated in place.
+        approach_state : (1, 1) array
+            Of a single robot: zero lets it turn where it stands.
 
         Returns
         -------

@@ -76,6 +76,16 @@ def create_si_to_uni_dynamics_with_backwards_motion(
         Factor on the forward speed, > 0.
     angular_velocity_limit : float
         Turn rate (rad/s, >= 0) for a velocity at a right angle to the heading.
+
+    Returns
+    -------
+    callable
+        From velocities (2, N) in m/s and poses (3, N) to commands (v; ω) (2, N).
+
+    Raises
+    ------
+    NumberError
+        A parameter is outside its range.
     """
     return create_si_to_uni_dynamics(linear_velocity_gain, angular_velocity_limit)
 

@@ -215,6 +215,13 @@ def create_pose_parking_controller_clf(
     -------
     callable
         As that of :func:`create_pose_controller_clf`.
+
+    Raises
+    ------
+    NumberError
+        `wheel_radius` or `base_length` is not a number.
+    ZeroDivisionError, numpy.linalg.LinAlgError
+        `base_length` or `wheel_radius` is zero.
     """
     approach = create_pose_controller_clf(
         approach_angle_gain,
@@ -321,6 +328,11 @@ def create_pose_parking_controller_hybrid(
     callable
         From poses (3, N) and goals (3, N) to commands (v; ω) (2, N). Who is approaching is always
         remembered inside.
+
+    Raises
+    ------
+    NumberError
+        A parameter is outside its range.
     """
     step = _Hybrid(
         create_si_to_uni_dynamics(linear_velocity_gain, angular_velocity_limit),

@@ -97,6 +97,13 @@ def generate_random_poses(
     -------
     (3, N) array
         Poses, m and rad.
+
+    Raises
+    ------
+    NumberError
+        A parameter is of the wrong type or outside its range.
+    CrowdedError
+        So many robots do not fit, or did not fit within 10,000 candidates.
     """
     positions = generate_random_positions(N, spacing, width, height)
     headings = (np.random.rand(N) - 0.5) * 2 * HALF_TURN  # noqa: NPY002

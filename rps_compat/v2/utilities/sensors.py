@@ -93,6 +93,11 @@ def simulate_distance_sensors_without_robots(
     -------
     (S, N) array
         Readings, m.
+
+    Raises
+    ------
+    SensorError
+        An array of the wrong shape; it is an IndexError.
     """
     distances = cast_rays(
         np.asarray(poses, dtype=float),

@@ -62,8 +62,7 @@ def create_si_to_uni_dynamics_with_backwards_motion(
     """Create ``si_to_uni(dxi, states)`` that drives backwards rather than turn round.
 
     A velocity from behind is met with the robot's back, so the turn rate never exceeds
-    `angular_velocity_limit`. Parameters, result and errors are those of
-    :func:`create_si_to_uni_dynamics`.
+    `angular_velocity_limit`.
 
     Parameters
     ----------
