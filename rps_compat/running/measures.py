@@ -124,7 +124,13 @@ class Measures:
                 self._silent = Silence(self._silence, time)
 
     def told_in(self, outcome: Outcome) -> Outcome:
-        """Return `outcome` with what was measured."""
+        """Return an outcome with what was measured.
+
+        Parameters
+        ----------
+        outcome : Outcome
+            How the run went.
+        """
         return replace(
             outcome,
             clock=self.seconds,

@@ -65,6 +65,13 @@ class RobustWheels:
         Kept between the points ahead of two robots (m).
     walls : tuple
         Empty, or the boundary points.
+
+    Raises
+    ------
+    NumberError
+        A parameter is not a number, or the certified points lie on the axle.
+    ZeroDivisionError
+        `base_length` is zero.
     """
 
     max_num_obstacles: Any
