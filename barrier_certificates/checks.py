@@ -19,7 +19,7 @@ def positive(name: str, value: float, unit: str = "") -> None:
     name : str
         What the error calls it.
     value : float
-        The number.
+        What was given; numpy's numbers pass, too.
     unit : str
         What the error says after "a positive number", such as "of metres".
 
@@ -40,7 +40,7 @@ def not_negative(name: str, value: float, unit: str = "") -> None:
     name : str
         What the error calls it.
     value : float
-        The number.
+        What was given; numpy's numbers pass, too.
     unit : str
         What the error says after "a positive number", such as "of metres".
 
@@ -63,7 +63,7 @@ def positive_or_none(name: str, value: float | None, unit: str = "") -> None:
     name : str
         What the error calls it.
     value : float or None
-        The limit.
+        What was given; numpy's numbers pass, too.
     unit : str
         What the error says after "a positive number", such as "of metres".
 

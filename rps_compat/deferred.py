@@ -47,7 +47,7 @@ class Deferred:
         Parameters
         ----------
         *args, **kwargs
-            Its own.
+            Handed on unchanged to what it stands for.
         """
         return self._object()(*args, **kwargs)
 

@@ -27,7 +27,7 @@ def line(n: int) -> Array:
     Returns
     -------
     (n, n) array
-        The Laplacian.
+        Degrees on the diagonal, −1 for each edge, else 0.
     """
     laplacian = _band(n)
     laplacian[0, 0] = laplacian[-1, -1] = 1.0
@@ -45,7 +45,7 @@ def cycle(n: int) -> Array:
     Returns
     -------
     (n, n) array
-        The Laplacian.
+        Degrees on the diagonal, −1 for each edge, else 0.
     """
     laplacian = _band(n)
     laplacian[0, -1] = laplacian[-1, 0] = -1.0
@@ -63,7 +63,7 @@ def complete(n: int) -> Array:
     Returns
     -------
     (n, n) array
-        The Laplacian.
+        Degrees on the diagonal, −1 for each edge, else 0.
     """
     laplacian: Array = n * np.eye(n) - np.ones((n, n))
     return laplacian
@@ -82,7 +82,7 @@ def random(nodes: int, edges: int) -> Array:
     Returns
     -------
     (n, n) array
-        The Laplacian.
+        Degrees on the diagonal, −1 for each edge, else 0.
     """
     return _with_more_edges(np.zeros((nodes, nodes)), edges)
 
@@ -100,7 +100,7 @@ def random_connected(nodes: int, extra_edges: int) -> Array:
     Returns
     -------
     (n, n) array
-        The Laplacian.
+        Degrees on the diagonal, −1 for each edge, else 0.
     """
     adjacency = np.zeros((nodes, nodes))
     for node in range(1, nodes):

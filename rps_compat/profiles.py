@@ -86,7 +86,7 @@ def profile_from_toml(text: str, where: str = "profile") -> Profile:
     Parameters
     ----------
     text : str
-        The text.
+        Entries ``name`` and ``about``, and a table for each effect.
     where : str
         What errors call it.
 

@@ -158,7 +158,7 @@ def use(session: Session) -> None:
     Parameters
     ----------
     session : Session
-        The session.
+        What later instances have in common.
     """
     global _current
     _current = session

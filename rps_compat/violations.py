@@ -137,7 +137,7 @@ class Violations:
         first : (k,) integer array
             One robot of each pair.
         second : (k,) integer array
-            The other.
+            The other robot of each pair.
         distances : (k,) array
             How far their collision points are apart, m.
         """

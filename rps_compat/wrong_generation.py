@@ -57,7 +57,7 @@ def refuse_new_arguments(constructor: Callable[_Arguments, None]) -> Callable[_A
     Parameters
     ----------
     constructor : callable
-        The constructor.
+        An ``__init__`` that takes the published arguments.
 
     Raises
     ------

@@ -101,6 +101,7 @@ def test_what_keeps_the_rule_passes(tmp_path):
         ("    strict : bool\n        Refuse instead.\n", "", "cut: PR01 Parameters {'strict'}"),
         ("    strict : bool\n", "    strictly : bool\n", "cut: PR02 Unknown parameters"),
         ("        Velocities, m/s.\n    limits", "    limits", 'cut: PR07 Parameter "velocity"'),
+        ("        Refuse instead.\n", "        The flag.\n", "cut: the description of strict says"),
         ("limits : Limits\n", "limits: Limits\n", "cut: PR10 Parameter"),
         ("velocity : (2, N) array", "velocity : array", "cut: the shape of velocity is missing"),
         ("\n    (2, N) array\n", "\n    array\n", "cut: the shape of what is returned"),
@@ -208,7 +209,7 @@ def test_inherited_fields_and_named_options_may_be_told(tmp_path):
             Parameters
             ----------
             script : str
-                The file.
+                Where it lies.
             seed : int
                 Of the run.
             """

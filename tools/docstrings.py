@@ -31,6 +31,8 @@ _SHAPE = r"\((?:\.\.\.|[^()]*,[^()]*)\)"
 SHAPE_IN_TYPE = re.compile(_SHAPE + r"[\w -]* arrays?\b")
 #: A shape in the words of what takes no arguments: "Return the (2, N) positions, m."
 SHAPE_IN_WORDS = re.compile(_SHAPE)
+#: Descriptions that only say the name again.
+FILLER = re.compile(r"(The|Its|Their) \w+\.")
 #: Methods that a base class outside of the project names and tells, and that only it calls.
 CALLED_BY_A_BASE = re.compile(r"visit_\w+|generic_visit")
 #: Bases whose subclasses' annotated names are fields.
@@ -208,6 +210,9 @@ class Checked(AstValidator):  # type: ignore[misc]
             if code in CODES:
                 yield f"{code} {text}"
         if self.raw_doc:
+            for name, (_, text) in self.doc_all_parameters.items():
+                if FILLER.fullmatch(" ".join(text)):
+                    yield f"the description of {name} says nothing: {' '.join(text)!r}"
             yield from self._shapes()
             yield from self._errors()
 

@@ -127,7 +127,7 @@ class Rows:
         Returns
         -------
         (k, size) array
-            Their coefficients.
+            Coefficients a: a row for each, a column for each unknown.
         """
         width = self.size + 1
         if self._flat is not None:
@@ -150,7 +150,7 @@ class Rows:
         Returns
         -------
         (k, size) sparse array
-            Their coefficients.
+            Coefficients a, in compressed rows.
         """
         index = self.index[:, which]
         row = np.broadcast_to(np.arange(which.shape[0]), index.shape)

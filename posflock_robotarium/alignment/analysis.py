@@ -190,7 +190,7 @@ class Analysis:
         Parameters
         ----------
         path : path
-            The file.
+            Where the ``.npz`` is written.
 
         Raises
         ------
@@ -307,7 +307,7 @@ def load(path: str | os.PathLike[str]) -> Analysis:
     Parameters
     ----------
     path : path
-        The file.
+        A file ``.npz``.
 
     Raises
     ------

@@ -87,7 +87,7 @@ class Comparison:
     Attributes
     ----------
     analyses : tuple of Analysis
-        The runs.
+        One a run, in the order given.
     labels : tuple of str
         What each run counts as (``simulation``, ``testbed``, or one name for all).
     rows : tuple of Row

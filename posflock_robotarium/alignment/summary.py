@@ -122,7 +122,7 @@ def summary_of(analysis: Analysis) -> Summary:
     Parameters
     ----------
     analysis : Analysis
-        The run.
+        What was computed of the run.
     """
 
     def of(key: str) -> float:

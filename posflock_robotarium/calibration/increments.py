@@ -46,7 +46,7 @@ def time_step_of(log: Run, given: float | None) -> float:
     Parameters
     ----------
     log : Run
-        The log.
+        Poses over time.
     given : float or None
         What the user says, s; None for the median of the rows.
 

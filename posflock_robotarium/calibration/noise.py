@@ -120,7 +120,7 @@ def whitener(channel: Noise, rows: int) -> Callable[[Floats], Floats]:
     Parameters
     ----------
     channel : Noise
-        The noise.
+        Variances of the increments' noise.
     rows : int
         Number of increments, K.
     """

@@ -97,7 +97,7 @@ def write_profile(profile: Profile, path: Path) -> None:
     profile : Profile
         What is written.
     path : Path
-        The file.
+        Where the file is written.
 
     Raises
     ------

@@ -21,7 +21,7 @@ def heading_offsets(log: Run) -> tuple[Estimate, ...]:
     Parameters
     ----------
     log : Run
-        The run.
+        Poses over time, of robots that drove.
     """
     block = 15
     starts = np.arange(0, len(log.t) - block, block)
@@ -53,7 +53,7 @@ def lateral_jitter(log: Run) -> Estimate:
     Parameters
     ----------
     log : Run
-        The run.
+        Poses over time.
     """
     second = np.diff(log.poses[:, :2], n=2, axis=0)
     theta = log.poses[1:-1, 2]

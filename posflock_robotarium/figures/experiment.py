@@ -40,7 +40,7 @@ def draw_run(log: Run, folder: Path) -> list[Path]:
     Parameters
     ----------
     log : Run
-        The run.
+        Poses over time, with neighbour radius and arena.
     folder : Path
         Where the files are put.
 
@@ -70,7 +70,7 @@ def snapshots(log: Run, times: Sequence[float] | None = None) -> Figure:
     Parameters
     ----------
     log : Run
-        The run.
+        Poses over time, with their arena.
     times : six floats, optional
         Seconds; evenly spread over the run by default.
     """
@@ -100,7 +100,7 @@ def alignment_over_time(log: Run, radius: float | None = None) -> Figure:
     Parameters
     ----------
     log : Run
-        The run.
+        Poses over time.
     radius : float, optional
         Neighbour radius, m; by default what the log says.
     """
@@ -134,7 +134,7 @@ def distances_and_speeds(log: Run) -> Figure:
     Parameters
     ----------
     log : Run
-        The run.
+        Poses over time, with their arena.
     """
     figure = new_figure(7.2, 2.4)
     left, right = figure.subplots(1, 2)

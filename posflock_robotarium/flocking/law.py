@@ -320,7 +320,7 @@ def check_states(values: ArrayLike, name: str, like: Floats | None = None) -> Fl
     Returns
     -------
     (..., d, n) array
-        The values.
+        What was given, copied only where it was no float array.
 
     Raises
     ------

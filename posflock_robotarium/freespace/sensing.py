@@ -131,7 +131,7 @@ class Sensors:
     Parameters
     ----------
     sensing : Sensing
-        The effects.
+        How wrong, how late and how seldom they sense, and who fails.
     generators : sequence of Generator
         One for each flock.
     agents : int

@@ -34,11 +34,11 @@ class Claim:
     test : str
         What is measured, in words.
     measure : function of Evidence
-        The number.
+        Gives the number that is judged.
     sense : {"at least", "at most"}
         Which side of the thresholds the paper claims.
     holds, weakly : float
-        The thresholds.
+        From the first on the claim holds, from the second on weakly.
     unit : str
         Of the number; empty for shares and cosines.
     reasons : dict of verdict to str
@@ -81,7 +81,7 @@ class Judgement:
     Attributes
     ----------
     claim : Claim
-        The claim.
+        What the paper says.
     value : float
         What was measured, in the claim's unit.
     verdict : str

@@ -29,7 +29,7 @@ class Reproduction:
     judgements : list of Judgement
         Every claim, judged.
     paths : list of Path
-        The files.
+        Figures, tables and ``claims.md``.
     """
 
     evidence: Evidence

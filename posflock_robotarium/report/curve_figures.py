@@ -93,7 +93,7 @@ def alignment(analysis: Analysis) -> Figure:
     Parameters
     ----------
     analysis : Analysis
-        The run.
+        What was computed of the run.
     """
     figure = new_figure(3.5, 3.1)
     top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1])
@@ -117,7 +117,7 @@ def distances(analysis: Analysis) -> Figure:
     Parameters
     ----------
     analysis : Analysis
-        The run.
+        What was computed of the run.
     """
     figure = new_figure(3.5, 2.6)
     axes = figure.subplots()
@@ -152,7 +152,7 @@ def motion(analysis: Analysis) -> Figure:
     Parameters
     ----------
     analysis : Analysis
-        The run.
+        What was computed of the run.
     """
     figure = new_figure(3.5, 2.4)
     axes = figure.subplots()
@@ -181,7 +181,7 @@ def runs(analyses: Sequence[Analysis]) -> Figure:
     Parameters
     ----------
     analyses : sequence of Analysis
-        The runs.
+        What was computed of each run.
     """
     figure = new_figure(7.2, 2.6)
     left, right = figure.subplots(1, 2)

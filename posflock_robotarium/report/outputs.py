@@ -98,9 +98,9 @@ def write_curves(analyses: Sequence[Analysis], path: Path) -> Path:
     Parameters
     ----------
     analyses : sequence of Analysis
-        The runs.
+        What was computed of each run.
     path : Path
-        The file.
+        Where the CSV file is written.
 
     Raises
     ------
@@ -132,11 +132,11 @@ def write_summary(analyses: Sequence[Analysis], comparison: Comparison | None, p
     Parameters
     ----------
     analyses : sequence of Analysis
-        The runs.
+        What was computed of each run.
     comparison : Comparison or None
         Of several runs; None for one.
     path : Path
-        The file.
+        Where the JSON file is written.
 
     Raises
     ------

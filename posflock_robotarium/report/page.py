@@ -104,9 +104,9 @@ def write_page(
     Parameters
     ----------
     analyses : sequence of Analysis
-        The runs.
+        What was computed of each run.
     path : Path
-        The file.
+        Where the HTML file is written.
     comparison : Comparison, optional
         Of several runs; None for one.
 

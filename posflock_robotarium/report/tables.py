@@ -19,7 +19,7 @@ def comparison_table(comparison: Comparison) -> Iterator[str]:
     Parameters
     ----------
     comparison : Comparison
-        The runs.
+        Runs side by side, with their labels.
     """
     several = len(comparison.analyses) > 6
     names = [] if several else [_short(analysis.name) for analysis in comparison.analyses]

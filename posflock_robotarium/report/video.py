@@ -70,7 +70,7 @@ def write_video(
     Returns
     -------
     Path
-        The film.
+        Where the film was written.
 
     Raises
     ------

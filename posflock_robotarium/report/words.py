@@ -60,7 +60,7 @@ def unbroken(text: str) -> str:
     Parameters
     ----------
     text : str
-        The sentence.
+        Words with numbers and units in them.
 
     Examples
     --------

@@ -22,7 +22,7 @@ def instructions(ready: Bundle) -> str:
     Parameters
     ----------
     ready : Bundle
-        The bundle.
+        What was laid out for the upload.
     """
     size = math.ceil(ready.size / 1024)
     robots = f"{ready.robots}" if ready.robots else "as many as the script asks for"

@@ -18,7 +18,7 @@ def lay_simulator(folder: Path) -> None:
     Parameters
     ----------
     folder : Path
-        The folder.
+        Where the copies are put; it will be on Python's path.
     """
     import barrier_certificates
     import rps_compat

@@ -142,7 +142,7 @@ def rehearse(
     duration : float
         Seconds that are declared; then the run is interrupted.
     profile : Profile, name or path
-        The imperfections.
+        Imperfections of motors and tracking.
     seed : int
         Of everything random that is the testbed's.
     generation : int

@@ -66,7 +66,7 @@ def describe_file(path: Path) -> ReturnedFile:
     Parameters
     ----------
     path : Path
-        The file.
+        A file that came back.
     """
     from posflock_robotarium.flocking.errors import LogError
     from posflock_robotarium.logs.readers import read_pose_log

@@ -108,7 +108,7 @@ def register(experiment: Experiment) -> None:
     Parameters
     ----------
     experiment : Experiment
-        The experiment.
+        What a study may name from now on.
 
     Raises
     ------
@@ -127,7 +127,7 @@ def find(name: str) -> Experiment:
     Parameters
     ----------
     name : str
-        Its name.
+        As a study's file names it.
 
     Raises
     ------

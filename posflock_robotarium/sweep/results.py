@@ -36,7 +36,7 @@ def finished(study: Study, store: Store) -> list[Row]:
     Parameters
     ----------
     study : Study
-        The study.
+        Which runs of which experiment.
     store : Store
         Where its runs are kept.
     """
@@ -55,7 +55,7 @@ def of_other_code(study: Study, store: Store) -> int:
     Parameters
     ----------
     study : Study
-        The study.
+        Which runs of which experiment.
     store : Store
         Where its runs are kept.
     """
@@ -71,7 +71,7 @@ def outcomes(study: Study, rows: Sequence[Row]) -> list[str]:
     Parameters
     ----------
     study : Study
-        The study.
+        Which runs of which experiment.
     rows : sequence of Row
         Its runs, as the store has them.
     """
@@ -136,7 +136,7 @@ def write_tables(study: Study, store: Store, folder: Path) -> list[Path]:
     Parameters
     ----------
     study : Study
-        The study.
+        Which runs of which experiment.
     store : Store
         Where its runs are kept.
     folder : Path

@@ -68,7 +68,7 @@ def draw_study(study: Study, rows: Sequence[Row], folder: Path) -> list[Path]:
     Parameters
     ----------
     study : Study
-        The study.
+        Which runs of which experiment.
     rows : sequence of Row
         Its runs, as the store has them.
     folder : Path
@@ -99,7 +99,7 @@ def outcome_over(study: Study, rows: Sequence[Row], asked: Asked) -> Figure:
     Parameters
     ----------
     study : Study
-        The study.
+        Which runs of which experiment.
     rows : sequence of Row
         Its runs, as the store has them.
     asked : Asked

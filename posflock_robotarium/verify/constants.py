@@ -25,7 +25,7 @@ def constants_of(tree: ast.Module) -> dict[str, Any]:
     Parameters
     ----------
     tree : ast.Module
-        The source.
+        Syntax tree of the script.
     """
     bound: dict[str, list[ast.expr | None]] = {}
     for node in ast.walk(tree):
@@ -60,7 +60,7 @@ def constant(node: ast.expr, names: dict[str, Any]) -> Any:
     Parameters
     ----------
     node : ast.expr
-        The expression.
+        An expression of the script.
     names : dict
         Known names and their values, as `constants_of` gives them.
     """

@@ -55,7 +55,7 @@ def check_files(source: Source) -> Iterator[Finding]:
     Parameters
     ----------
     source : Source
-        The script.
+        What the checks know of the script.
     """
     written = {path for call in source.calls if (path := path_written(source, call)) is not None}
     for call, path in files_read(source):
@@ -98,7 +98,7 @@ def files_read(source: Source) -> Iterator[tuple[ast.Call, str]]:
     Parameters
     ----------
     source : Source
-        The script.
+        What the checks know of the script.
     """
     prepared = _prepared_for_absence(source.tree)
     for call in source.calls:
@@ -127,9 +127,9 @@ def writes(source: Source, call: ast.Call) -> bool:
     Parameters
     ----------
     source : Source
-        The script.
+        What the checks know of the script.
     call : ast.Call
-        The call.
+        One of the script's calls.
     """
     name = source.called(call)
     opens = name == "open" or _opens_path(source, call)
@@ -149,9 +149,9 @@ def path_written(source: Source, call: ast.Call) -> str | None:
     Parameters
     ----------
     source : Source
-        The script.
+        What the checks know of the script.
     call : ast.Call
-        The call.
+        One of the script's calls.
     """
     if not writes(source, call):
         return None
@@ -239,7 +239,7 @@ def catches(handler: ast.ExceptHandler, wanted: set[str]) -> bool:
     Parameters
     ----------
     handler : ast.ExceptHandler
-        The handler.
+        An ``except`` with what it catches.
     wanted : set of str
         Names of the exceptions.
     """

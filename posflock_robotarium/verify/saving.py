@@ -21,7 +21,7 @@ def check_saving(source: Source) -> Iterator[Finding]:
     Parameters
     ----------
     source : Source
-        The script.
+        What the checks know of the script.
     """
     if not source.stepping_loops:
         return

@@ -73,7 +73,7 @@ class Source:
         Parameters
         ----------
         call : ast.Call
-            The call.
+            One of the script's calls.
         """
         return self.program.path_of(call.func).removeprefix("builtins.")
 
@@ -83,7 +83,7 @@ class Source:
         Parameters
         ----------
         call : ast.Call
-            The call.
+            One of the script's calls.
         """
         return constructor_arguments(self.program, call) is not None
 
@@ -187,7 +187,7 @@ def is_call_to(node: ast.AST, names: Set[str], known: frozenset[str]) -> bool:
     Parameters
     ----------
     node : ast.AST
-        The node.
+        Any node of the script.
     names : set of str
         Names of the functions and methods.
     known : frozenset of str

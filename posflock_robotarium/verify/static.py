@@ -87,7 +87,7 @@ def check_names(source: Source) -> Iterator[Finding]:
     Parameters
     ----------
     source : Source
-        The script.
+        What the checks know of the script.
     """
     for use in source.uses:
         if use.follows or use.ready or isinstance(use.entry, Absent):
@@ -125,7 +125,7 @@ def check_imports(source: Source) -> Iterator[Finding]:
     Parameters
     ----------
     source : Source
-        The script.
+        What the checks know of the script.
     """
     try:
         trace = source.trace
@@ -225,7 +225,7 @@ def check_robots(source: Source) -> Iterator[Finding]:
     Parameters
     ----------
     source : Source
-        The script.
+        What the checks know of the script.
     """
     for call in source.calls:
         if not source.constructs(call):
@@ -242,7 +242,7 @@ def check_finishing(source: Source) -> Iterator[Finding]:
     Parameters
     ----------
     source : Source
-        The script.
+        What the checks know of the script.
     """
     made = [call for call in source.calls if source.constructs(call)]
     if not made:
@@ -271,7 +271,7 @@ def check_blocking(source: Source) -> Iterator[Finding]:
     Parameters
     ----------
     source : Source
-        The script.
+        What the checks know of the script.
     """
     in_loops = {call for loop in source.stepping_loops for call in ast.walk(loop)}
     for call in source.calls:

@@ -61,7 +61,7 @@ def figure_lines(report: Report) -> list[tuple[str, str]]:
     Parameters
     ----------
     report : Report
-        The report.
+        What verify found, with the ideal run if there was one.
     """
     found = report.figures()
     if not found:

@@ -171,7 +171,7 @@ class TrialRoom:
     Parameters
     ----------
     source : Source
-        The script.
+        The script that is tried, with what it needs beside it.
     generation : int
         Of the API to run it under.
     limits : Limits
@@ -256,7 +256,7 @@ class TrialRoom:
         Parameters
         ----------
         plans : sequence of RunPlan
-            The trials.
+            One a trial, as `plan` made them.
         tell : callable, optional
             Is told of each outcome when it is there.
         """
@@ -305,9 +305,9 @@ def lay_out(source: Source, scratch: Path) -> None:
     Parameters
     ----------
     source : Source
-        The script.
+        The script, with what it needs beside it.
     scratch : Path
-        The folder.
+        Folder in which it will run.
     """
     home = source.path.resolve().parent
     shutil.copyfile(source.path, scratch / source.path.name)
@@ -331,7 +331,7 @@ def read_back(path: Path) -> Readable:
     Parameters
     ----------
     path : Path
-        The file.
+        A file that the script has written.
     """
     size = path.stat().st_size
     try:

@@ -145,7 +145,7 @@ class Family:
         Parameters
         ----------
         recording : Recording
-            The recording.
+            Makes the watch of each instance; it gets its names and records from here.
         """
         recording.name, recording.open_record = self._name_of_logs, self._open_record
         self._recording = recording

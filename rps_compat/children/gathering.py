@@ -27,7 +27,7 @@ class Children:
     reports
         One for each instance, by process and in the order of their making.
     files
-        Their logs.
+        Logs that they have written.
     notes
         What the reports do not tell.
     """

@@ -57,7 +57,7 @@ class Instance:
         Parameters
         ----------
         path : Path
-            The file.
+            A file ``NAME.instance`` in the folder of the run's records.
         """
         return cls(**json.loads(path.read_text("utf-8")))
 

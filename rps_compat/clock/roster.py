@@ -130,7 +130,7 @@ class Roster:
         Parameters
         ----------
         gone : ScriptThread
-            The thread.
+            A thread that has ended.
         """
         self.threads.pop(gone.ident or 0, None)
         self.busy.discard(gone)
@@ -148,7 +148,7 @@ class Roster:
         Parameters
         ----------
         thread : ScriptThread
-            The thread.
+            The one that steps from now on.
         """
         before, self.stepper = self.stepper, thread
         self.busy.discard(thread)
@@ -164,7 +164,7 @@ class Roster:
         Parameters
         ----------
         wait : Wait
-            The wait.
+            What the thread waits in; one without a thread counts as about to.
         """
         thread = wait.thread
         return not wait.over and (thread is None or self.threads.get(thread.ident or 0) is thread)
@@ -175,7 +175,7 @@ class Roster:
         Parameters
         ----------
         thread : ScriptThread
-            The thread.
+            The one whose wait is over.
         """
         thread.state = State.RUNNING
         if thread is not self.stepper and thread not in self.busy:
@@ -208,7 +208,7 @@ class Roster:
         Parameters
         ----------
         wait : Wait
-            The wait.
+            What a thread waits in, over from now on.
 
         Raises
         ------

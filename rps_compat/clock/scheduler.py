@@ -171,7 +171,7 @@ class Scheduler(Roster):
         Parameters
         ----------
         wait : Wait
-            The wait.
+            What a thread waits in, or an alarm.
         seconds : float
             Simulated time from now, s.
         """
@@ -186,7 +186,7 @@ class Scheduler(Roster):
         Parameters
         ----------
         wait : Wait
-            The wait.
+            What a thread waits in; nothing happens where it is over.
         """
         with self.lock:
             if not wait.over:
@@ -199,7 +199,7 @@ class Scheduler(Roster):
         Parameters
         ----------
         wait : Wait
-            The wait.
+            What the thread waited in.
         """
         if wait.thread is not None and wait.thread.wait is wait:
             self.runs(wait.thread)

@@ -57,7 +57,7 @@ def standing_in(clock: SimulatedClock) -> Iterator[None]:
     Parameters
     ----------
     clock : SimulatedClock
-        The clock.
+        Tells the time to all threads but those of others.
     """
     with contextlib.ExitStack() as back:
         if alarms.can_send_alarms():

@@ -27,7 +27,7 @@ class Stuck(BaseException):
         Parameters
         ----------
         threads : iterable of ScriptThread
-            The threads.
+            Those of the script that have not ended.
         after : float
             Simulated time without a step, s; infinite where nothing can wake them.
         """
@@ -57,7 +57,7 @@ def where_they_wait(threads: Iterable[ScriptThread]) -> str:
     Parameters
     ----------
     threads : iterable of ScriptThread
-        The threads.
+        Those of the script that have not ended.
     """
     frames = sys._current_frames()
     told = (_told(thread, frames.get(thread.ident or 0)) for thread in threads)

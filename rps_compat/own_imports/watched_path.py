@@ -29,7 +29,7 @@ class WatchedPath(list["str"]):
         index : int
             Place of the other.
         entry : str
-            The folder.
+            Path of the folder.
         """
         super().insert(index, entry)
         self._look(self)
@@ -40,7 +40,7 @@ class WatchedPath(list["str"]):
         Parameters
         ----------
         entry : str
-            The folder.
+            Path of the folder.
         """
         super().append(entry)
         self._look(self)
@@ -51,7 +51,7 @@ class WatchedPath(list["str"]):
         Parameters
         ----------
         entries : iterable of str
-            The folders.
+            Paths of the folders.
         """
         super().extend(entries)
         self._look(self)

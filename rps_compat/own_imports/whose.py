@@ -100,7 +100,7 @@ def is_environments_module(module: "ModuleType") -> bool:
     Parameters
     ----------
     module : module
-        The module.
+        An imported module, with or without a file.
     """
     origin = getattr(getattr(module, "__spec__", None), "origin", None)
     return is_environments(origin or getattr(module, "__file__", None))
@@ -156,7 +156,7 @@ def is_import_system(frame: "FrameType") -> bool:
     Parameters
     ----------
     frame : frame
-        The frame.
+        Where code runs, as ``sys._getframe`` gives it.
     """
     name = frame.f_globals.get("__name__", "")
     return any(name == part or name.startswith(f"{part}.") for part in _IMPORT_SYSTEM)

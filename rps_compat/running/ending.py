@@ -101,7 +101,7 @@ def end_of(
     run
         Runs the script.
     script
-        Its file.
+        The file that `run` runs.
     limit
         What stops it.
     leftovers

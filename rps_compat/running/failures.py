@@ -18,7 +18,7 @@ def failure_of(error: BaseException, home: Path) -> Failure:
     Parameters
     ----------
     error : BaseException
-        The exception.
+        What ended the script, with its traceback.
     home : Path
         Folder in which the script's files lie.
     """

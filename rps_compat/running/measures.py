@@ -53,7 +53,7 @@ class Measures:
         Parameters
         ----------
         arena : Arena
-            Its arena.
+            Where its robots stand before the first step.
         """
         self._arenas += 1
         if self._arenas == 1:

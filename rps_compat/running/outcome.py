@@ -66,7 +66,7 @@ class Failure:
     type, full_type, kinds
         Name of the exception's class, the same with its module, and of all that it derives from.
     message
-        Its message.
+        What the exception says.
     line, file
         The innermost line of the script's own files that it came through; None and empty where it
         came through none.

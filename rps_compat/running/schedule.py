@@ -149,7 +149,7 @@ def read_pulse(pulse: mmap.mmap) -> tuple[int, float, float, float]:
     Parameters
     ----------
     pulse : mmap
-        The bytes.
+        What `open_pulse` opened.
     """
     steps, time, wall, cpu = _PULSE.unpack(pulse[: _PULSE.size])
     return int(steps), float(time), float(wall), float(cpu)

@@ -182,7 +182,7 @@ def brings(module: str, name: str, generation: int) -> bool:
     module : str
         Dotted name of the module.
     name : str
-        The name.
+        Name without dots.
     generation : int
         Of the API: 1 or 2.
     """
@@ -210,7 +210,7 @@ def member_of_api(module: str, name: str) -> ApiName:
     module : str
         Dotted path of the module.
     name : str
-        The name.
+        Name without dots.
     """
     there = {g for g in BOTH if has(module, name, g)}
     if name in OLD_FUNCTIONS and module.endswith(OLD_FUNCTIONS[name][0]):
@@ -228,7 +228,7 @@ def starred_of_api(modules: list[str], name: str) -> ApiName:
     modules : list of str
         Dotted names of the modules whose stars the script takes.
     name : str
-        The name.
+        Name without dots, used where no statement binds it.
     """
     there = {g for g in BOTH if any(brings(module, name, g) for module in modules)}
     if name in OLD_FUNCTIONS and not there:
@@ -243,7 +243,7 @@ def attribute_of_api(name: str) -> ApiName | None:
     Parameters
     ----------
     name : str
-        The attribute.
+        What stands behind the dot.
     """
     if name in ATTRIBUTES:
         return ApiName(name, Role.ATTRIBUTE, frozenset({1}))
@@ -260,7 +260,7 @@ def constructor_argument(name: str) -> ApiName | None:
     Parameters
     ----------
     name : str
-        The argument.
+        What stands before the equals sign.
     """
     generations = {1, 2} if name in CONSTRUCTOR else set()
     if name in NEW_ARGUMENTS:

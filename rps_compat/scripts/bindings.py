@@ -104,7 +104,7 @@ class Interpreter(Evaluator):
         Parameters
         ----------
         target : ast.expr
-            The target.
+            A name, attribute or item, or several in a tuple or list.
         values : frozenset
             What it may stand for.
         """
@@ -129,7 +129,7 @@ class Interpreter(Evaluator):
         Parameters
         ----------
         name : str
-            The name.
+            Name without dots; ``global`` and ``nonlocal`` are minded.
         values : frozenset
             What it may stand for.
         """

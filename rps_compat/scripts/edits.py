@@ -39,7 +39,7 @@ class Text:
     Parameters
     ----------
     script : Script
-        The script.
+        Whose text it is.
     """
 
     def __init__(self, script: Script) -> None:
@@ -56,7 +56,7 @@ class Text:
         Parameters
         ----------
         node : ast.AST
-            The node.
+            Anything that has a line and a column.
         """
         at: int = self._starts[node.lineno - 1] + node.col_offset
         return at
@@ -67,7 +67,7 @@ class Text:
         Parameters
         ----------
         node : ast.AST
-            The node.
+            Anything that has a last line and column.
         """
         at: int = self._starts[node.end_lineno - 1] + node.end_col_offset
         return at
@@ -95,7 +95,7 @@ class Text:
         Parameters
         ----------
         node : ast.AST
-            The node.
+            What is replaced, from its start to its end.
         text : str
             What stands there instead.
         """
@@ -124,7 +124,7 @@ class Text:
         Parameters
         ----------
         node : ast.AST
-            The node.
+            Anything that has a start and an end in the text.
         """
         start, end = self.start(node), self.end(node)
         inside = [edit for edit in self._made if start <= edit.start and edit.end <= end]
@@ -136,7 +136,7 @@ class Text:
         Parameters
         ----------
         call : ast.Call
-            The call.
+            Whose parenthesis is looked for.
         """
         return self._utf8.index(b"(", self.end(call.func)) + 1
 
@@ -148,7 +148,7 @@ class Text:
         Parameters
         ----------
         statement : ast.stmt
-            The statement.
+            Behind which the line is to stand.
         """
         first, last = self._starts[statement.lineno - 1], statement.end_lineno or statement.lineno
         indent = self._utf8[first : self.start(statement)]
@@ -170,9 +170,9 @@ def rewritten(script: Script, edits: Iterable[Edit]) -> bytes:
     Parameters
     ----------
     script : Script
-        The script.
+        Whose bytes they are.
     edits : iterable of Edit
-        The edits.
+        What is replaced; the same edit may come twice.
     """
     if not (made := set(edits)):
         return script.data

@@ -114,7 +114,7 @@ def place(use: Use) -> str:
     Parameters
     ----------
     use : Use
-        The use.
+        A name that not everybody has, where the script uses it.
     """
     name = use.module.script.path.name if use.module.name else ""
     return f"{name} line {use.line}".strip()

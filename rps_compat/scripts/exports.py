@@ -95,7 +95,7 @@ def exports(path: str, name: str) -> bool | None:
     path : str
         Dotted path.
     name : str
-        The name.
+        Name without dots.
     """
     if path == "rps" or path.startswith("rps."):
         faces = [found for generation in (1, 2) if (found := face(path, generation))]

@@ -105,7 +105,7 @@ class Evaluator(ast.NodeVisitor):
         Parameters
         ----------
         container : ast.expr
-            The container.
+            What ``append`` or an assignment to an item changes.
         values : frozenset
             What is put in.
         """
@@ -120,7 +120,7 @@ class Evaluator(ast.NodeVisitor):
         Parameters
         ----------
         target : ast.expr
-            The target.
+            A name, attribute or item, or several in a tuple or list.
         values : frozenset
             What it may stand for.
 
@@ -143,7 +143,7 @@ class Evaluator(ast.NodeVisitor):
         Parameters
         ----------
         node : ast.FunctionDef, ast.AsyncFunctionDef or ast.Lambda
-            The definition.
+            Where it is defined.
         """
         function = self.program.function(node, self.scope)
         names = parameters_of(node)

@@ -106,7 +106,7 @@ def has(module: str, name: str, generation: int) -> bool:
     module : str
         Dotted name of the module.
     name : str
-        The name.
+        Name without dots.
     generation : int
         Of the API: 1 or 2.
     """

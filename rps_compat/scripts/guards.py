@@ -38,7 +38,7 @@ class Guards:
     Parameters
     ----------
     tree : ast.Module
-        The module.
+        Syntax tree of that module.
 
     Attributes
     ----------
@@ -117,7 +117,7 @@ def catches_import_error(handler: ast.ExceptHandler) -> bool:
     Parameters
     ----------
     handler : ast.ExceptHandler
-        The handler.
+        An ``except`` with what it catches.
     """
     caught = _caught(handler)
     return caught is None or bool(caught & {"ImportError", "ModuleNotFoundError", *_ANYTHING})

@@ -53,7 +53,7 @@ def look_up(program: Program, scope: Scope, name: str) -> tuple[Values, str]:
     scope : Scope
         Where it is asked for.
     name : str
-        The name.
+        Name without dots.
     """
     found = _bound(scope, name)
     if found is not None and UNBOUND not in found:
@@ -119,9 +119,9 @@ def module_attribute(
     program : Program
         The script and the modules beside it.
     module : Module
-        The module.
+        One of the user's own.
     name : str
-        The name.
+        Name without dots.
     starred : bool
         Whether a star asks, which brings no name with an underscore.
     """
@@ -146,7 +146,7 @@ def attribute(program: Program, values: Values, name: str) -> Values:
     values : frozenset
         What it is asked of.
     name : str
-        The attribute.
+        What stands behind the dot.
     """
     out: Values = frozenset()
     for value in values:
@@ -179,7 +179,7 @@ def member(of: Class, name: str, owner: Instance | Class) -> Values:
     of : Class
         Where it is looked up.
     name : str
-        The name.
+        What stands behind the dot.
     owner : Instance or Class
         What it is asked of.
     """
@@ -229,7 +229,7 @@ def bases_of(of: Class, depth: int = 0) -> set[str]:
     Parameters
     ----------
     of : Class
-        The class.
+        One of the script's own.
     depth : int
         How many classes deep this call is; circles end somewhere.
     """

@@ -53,13 +53,13 @@ class Module:
     name : str
         Dotted name; "" is the script.
     script : Script
-        Its source.
+        Its source, as read.
     is_package : bool
         Whether it is an ``__init__.py``.
     stars : list of str
         Modules whose names it takes by ``from … import *``, in order.
     scope : Scope
-        Its names.
+        What its names stand for.
     """
 
     name: str
@@ -180,7 +180,7 @@ class Program:
         Parameters
         ----------
         node : ast.FunctionDef, ast.AsyncFunctionDef or ast.Lambda
-            The definition.
+            Where it is defined.
         scope : Scope
             Where it is defined.
         """
@@ -194,7 +194,7 @@ class Program:
         Parameters
         ----------
         node : ast.ClassDef
-            The definition.
+            Where it is defined.
         """
         if node not in self._classes:
             self._classes[node] = Class(node)
@@ -208,7 +208,7 @@ class Program:
         table : dict
             From name to what it stands for.
         name : str
-            The name.
+            Key of the table.
         values : frozenset
             What is added.
         """
@@ -232,7 +232,7 @@ class Program:
         Parameters
         ----------
         name : str
-            The attribute.
+            What stands behind the dot.
         """
         found = self._by_attribute.get(name, frozenset())
         return found if found and self.is_robots(found) else frozenset()
@@ -270,7 +270,7 @@ class Program:
         Parameters
         ----------
         node : ast.AST
-            The expression.
+            An expression of the script or of a module beside it.
         """
         values = self.values.get(node, ANYTHING)
         paths = origins(values)

@@ -29,9 +29,9 @@ class Renaming:
     Parameters
     ----------
     program : Program
-        The script.
+        The script and the modules beside it.
     text : Text
-        Its text.
+        Where the edits are made.
     generation : int
         The generation of the API that it is rewritten for.
     """
@@ -53,7 +53,7 @@ class Renaming:
         Parameters
         ----------
         use : Use
-            The use.
+            A name that the testbed lacks, where the script uses it.
         """
         if isinstance(use.entry, Change):
             return self._of_change(use.node, use.entry)
@@ -97,7 +97,7 @@ class Renaming:
         Parameters
         ----------
         name : str
-            The function.
+            Name of the function in the new generation.
         """
         stars = self._program.main.stars
         if any(brings(star, name, self._generation) for star in stars):

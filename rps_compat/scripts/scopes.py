@@ -39,7 +39,7 @@ def names_of(node: ast.Module | ast.FunctionDef | ast.AsyncFunctionDef | ast.Lam
     Parameters
     ----------
     node : ast.Module, ast.FunctionDef, ast.AsyncFunctionDef or ast.Lambda
-        Its definition.
+        Where it is defined.
     """
     body: list[ast.AST] = [node.body] if isinstance(node, ast.Lambda) else list(node.body)
     bound = {parameter.arg for parameter in parameters_of(node)}
@@ -62,7 +62,7 @@ def parameters_of(node: ast.AST) -> list[ast.arg]:
     Parameters
     ----------
     node : ast.AST
-        The definition.
+        Where it is defined.
     """
     if not isinstance(node, _FUNCTIONS):
         return []

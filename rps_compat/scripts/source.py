@@ -95,7 +95,7 @@ def read_script(path: Path | str) -> Script:
     Parameters
     ----------
     path : Path or str
-        The file.
+        Where the file lies.
 
     Raises
     ------
@@ -118,7 +118,7 @@ def parse_script(data: bytes, path: Path | str = "script") -> Script:
     Parameters
     ----------
     data : bytes
-        The bytes.
+        What the file holds, in its own encoding.
     path : Path or str
         Where the file lies, or would lie.
 

@@ -43,7 +43,7 @@ class Absent:
     Attributes
     ----------
     name : str
-        Its name.
+        What a script imports.
     """
 
     name: str
@@ -392,7 +392,7 @@ def constructor_arguments(program: Program, node: ast.Call) -> list[ast.expr] | 
     program : Program
         The script and the modules beside it.
     node : ast.Call
-        The call.
+        Any call of the script.
     """
     for value in program.values.get(node.func, frozenset()):
         if isinstance(value, Origin):
@@ -416,7 +416,7 @@ def api_function(program: Program, node: ast.Call) -> str:
     program : Program
         The script and the modules beside it.
     node : ast.Call
-        The call.
+        Any call of the script.
     """
     path = program.path_of(node.func)
     if not path.startswith("rps.") or "(" in path or path == ROBOTARIUM:

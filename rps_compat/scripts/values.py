@@ -36,7 +36,7 @@ class Function:
     Attributes
     ----------
     node : ast.FunctionDef, ast.AsyncFunctionDef or ast.Lambda
-        Its definition.
+        Where it is defined.
     scope : Scope
         Where it is defined.
     owner : Class, optional
@@ -70,7 +70,7 @@ class Class:
     Attributes
     ----------
     node : ast.ClassDef
-        Its definition.
+        Where it is defined.
     bases : frozenset
         What it derives from.
     attributes : dict
@@ -94,7 +94,7 @@ class Instance:
     Attributes
     ----------
     of : Class
-        The class.
+        Whose attributes and methods it has.
     """
 
     of: Class
@@ -120,7 +120,7 @@ class Method:
     Attributes
     ----------
     function : Function
-        Its definition.
+        What a call of it runs.
     owner : Instance or Class
         What it was asked of.
     """

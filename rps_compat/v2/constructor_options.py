@@ -29,7 +29,7 @@ class ConstructorOptions:
     show_arena_boundaries, show_distance_endpoints, show_distance_rays : bool
         What the figure shows.
     show_obstacles, show_robot_patches : bool
-        The same.
+        What else the figure shows.
     """
 
     number_of_robots: Any = None

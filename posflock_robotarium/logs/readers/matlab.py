@@ -27,7 +27,7 @@ def read_mat(path: Path) -> tuple[dict[str, Floats], str]:
     Parameters
     ----------
     path : Path
-        The file.
+        A file ``.mat``.
 
     Returns
     -------

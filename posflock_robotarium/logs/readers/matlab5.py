@@ -49,7 +49,7 @@ def read_matlab5(path: Path) -> dict[str, Floats]:
     Parameters
     ----------
     path : Path
-        The file.
+        A file ``.mat`` of version 5.
 
     Returns
     -------

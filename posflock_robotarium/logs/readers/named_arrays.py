@@ -182,7 +182,7 @@ def codes_of(words: NDArray[np.str_]) -> NDArray[np.uint32]:
     Parameters
     ----------
     words : (T,) array of str
-        The words.
+        One word a sample, such as a certificate's status.
 
     Returns
     -------

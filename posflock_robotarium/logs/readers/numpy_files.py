@@ -34,7 +34,7 @@ def read_npy(path: Path) -> NDArray[Any]:
     Parameters
     ----------
     path : Path
-        The file.
+        A file ``.npy``.
 
     Returns
     -------
@@ -73,7 +73,7 @@ def read_npz(path: Path) -> dict[str, NDArray[Any]]:
     Parameters
     ----------
     path : Path
-        The file.
+        A file ``.npz``.
 
     Returns
     -------

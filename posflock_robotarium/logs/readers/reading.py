@@ -94,7 +94,7 @@ def read_parts(paths: Sequence[str | os.PathLike[str]], options: ReadOptions | N
     Parameters
     ----------
     paths : sequence of path
-        The files.
+        Files of one run; consecutive parts in order of time.
     options : ReadOptions, optional
         What the user says.
 

@@ -56,7 +56,7 @@ class Table:
     Attributes
     ----------
     values : (rows, columns) array
-        The numbers.
+        Its numbers, a row a line.
     names : tuple of str
         Names of the columns; empty where it has none.
     delimiter : str
@@ -145,7 +145,7 @@ def read_text(
     Parameters
     ----------
     path : Path
-        The file.
+        A text or CSV file.
     layout : str, optional
         For a table without header: one of `layouts.NAMES`.
     columns : str, optional

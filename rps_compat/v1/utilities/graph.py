@@ -30,7 +30,7 @@ def cycle_GL(N: int) -> Array:  # noqa: N802
     Returns
     -------
     (N, N) array
-        The Laplacian.
+        Degrees on the diagonal, −1 for each edge, else 0.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def lineGL(N: int) -> Array:  # noqa: N802
     Returns
     -------
     (N, N) array
-        The Laplacian.
+        Degrees on the diagonal, −1 for each edge, else 0.
 
     Raises
     ------
@@ -74,7 +74,7 @@ def completeGL(N: int) -> Array:  # noqa: N802
     Returns
     -------
     (N, N) array
-        The Laplacian.
+        Degrees on the diagonal, −1 for each edge, else 0.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def randomGL(v: int, e: int) -> Array:  # noqa: N802
     Returns
     -------
     (v, v) array
-        The Laplacian.
+        Degrees on the diagonal, −1 for each edge, else 0.
     """
     return graphs.random(v, e)
 
@@ -116,7 +116,7 @@ def random_connectedGL(v: int, e: int) -> Array:  # noqa: N802
     Returns
     -------
     (v, v) array
-        The Laplacian.
+        Degrees on the diagonal, −1 for each edge, else 0.
 
     Raises
     ------

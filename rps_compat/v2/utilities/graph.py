@@ -30,7 +30,7 @@ def cycleGL(n: int) -> Array:  # noqa: N802
     Returns
     -------
     (n, n) array
-        The Laplacian.
+        Degrees on the diagonal, −1 for each edge, else 0.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def lineGL(n: int) -> Array:  # noqa: N802
     Returns
     -------
     (n, n) array
-        The Laplacian.
+        Degrees on the diagonal, −1 for each edge, else 0.
 
     Raises
     ------
@@ -74,7 +74,7 @@ def completeGL(n: int) -> Array:  # noqa: N802
     Returns
     -------
     (n, n) array
-        The Laplacian.
+        Degrees on the diagonal, −1 for each edge, else 0.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def randomGL(v: int, e: int) -> Array:  # noqa: N802
     Returns
     -------
     (v, v) array
-        The Laplacian.
+        Degrees on the diagonal, −1 for each edge, else 0.
 
     Raises
     ------
@@ -123,7 +123,7 @@ def random_connectedGL(v: int, e: int) -> Array:  # noqa: N802
     Returns
     -------
     (v, v) array
-        The Laplacian.
+        Degrees on the diagonal, −1 for each edge, else 0.
 
     Raises
     ------
