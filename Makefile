@@ -46,11 +46,12 @@ test-numpy1: $(VENV)/.dev  ## the test suite on NumPy 1.26, the oldest that is s
 test-portable: $(VENV)/.dev  ## the tests as other processors, numpys and Pythons compute
 	$(BIN)/python .ci/portable.py $(PYTEST_ARGS)
 
-lint: $(VENV)/.dev  ## ruff, mypy --strict, import rules
+lint: $(VENV)/.dev  ## ruff, mypy --strict, import rules, docstrings
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/python tools/docstrings.py
 
 bench: bench-nine bench-rps bench-barriers bench-verify bench-report bench-fuzz bench-paper bench-machines  ## every benchmark
 

@@ -114,7 +114,13 @@ class Certificate(ABC):
         self.reset()
 
     def check(self) -> None:
-        """Refuse parameters that make no sense."""
+        """Refuse parameters that make no sense.
+
+        Raises
+        ------
+        ParameterError
+            If a parameter is out of its range, or a boundary encloses nothing.
+        """
         checks.positive("safety_radius", self.safety_radius, "of metres")
         checks.not_negative("barrier_gain", self.barrier_gain)
         for name in ("unsafe_gain", "wall_gain", "wall_margin", "obstacle_margin"):

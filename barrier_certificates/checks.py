@@ -12,13 +12,43 @@ from barrier_certificates.certificate_errors import NotFiniteError, ParameterErr
 
 
 def positive(name: str, value: float, unit: str = "") -> None:
-    """Refuse a number that is not positive and finite."""
+    """Refuse a number that is not positive and finite.
+
+    Parameters
+    ----------
+    name : str
+        What the error calls it.
+    value : float
+        What was given; numpy's numbers pass, too.
+    unit : str
+        What the error says after "a positive number", such as "of metres".
+
+    Raises
+    ------
+    ParameterError
+        If it is zero, negative, infinite, NaN or no number.
+    """
     if not (isinstance(value, (int, float, np.number)) and math.isfinite(value) and value > 0):
         raise ParameterError(f"{name} is {value!r}; expected a positive number {unit}".rstrip())
 
 
 def not_negative(name: str, value: float, unit: str = "") -> None:
-    """Refuse a number that is negative or not finite."""
+    """Refuse a number that is negative or not finite.
+
+    Parameters
+    ----------
+    name : str
+        What the error calls it.
+    value : float
+        What was given; numpy's numbers pass, too.
+    unit : str
+        What the error says after "a positive number", such as "of metres".
+
+    Raises
+    ------
+    ParameterError
+        If it is negative, infinite, NaN or no number.
+    """
     if not (isinstance(value, (int, float, np.number)) and math.isfinite(value) and value >= 0):
         raise ParameterError(
             f"{name} is {value!r}; expected zero or a positive number {unit}".rstrip()
@@ -26,19 +56,67 @@ def not_negative(name: str, value: float, unit: str = "") -> None:
 
 
 def positive_or_none(name: str, value: float | None, unit: str = "") -> None:
-    """Refuse a limit that is neither None (no such limit) nor positive and finite."""
+    """Refuse a limit that is neither None (no such limit) nor positive and finite.
+
+    Parameters
+    ----------
+    name : str
+        What the error calls it.
+    value : float or None
+        What was given; numpy's numbers pass, too.
+    unit : str
+        What the error says after "a positive number", such as "of metres".
+
+    Raises
+    ------
+    ParameterError
+        If it is zero, negative, infinite, NaN or no number.
+    """
     if value is not None:
         positive(name, value, unit)
 
 
 def angle(name: str, value: float) -> None:
-    """Refuse an angle that is not a finite number."""
+    """Refuse an angle that is not a finite number.
+
+    Parameters
+    ----------
+    name : str
+        What the error calls it.
+    value : float
+        The angle, rad.
+
+    Raises
+    ------
+    ParameterError
+        If it is infinite, NaN or no number.
+    """
     if not (isinstance(value, (int, float, np.number)) and math.isfinite(value)):
         raise ParameterError(f"{name} is {value!r}; expected a finite angle in radians")
 
 
 def columns(name: str, array: Any, rows: int) -> FloatArray:
-    """Return the array as floats, refusing any shape but (rows, N) with N ≥ 1."""
+    """Return a team's array as floats, a column a robot.
+
+    Parameters
+    ----------
+    name : str
+        What the error calls it.
+    array : (rows, N) array-like
+        What was given.
+    rows : int
+        Rows that it must have: 2 for positions and commands, 3 for poses.
+
+    Returns
+    -------
+    (rows, N) array
+        The same numbers, as floats.
+
+    Raises
+    ------
+    ShapeError
+        If it cannot be read as numbers, has another shape, or no column.
+    """
     try:
         values = np.asarray(array, dtype=np.float64)
     except (TypeError, ValueError) as error:
@@ -51,7 +129,13 @@ def columns(name: str, array: Any, rows: int) -> FloatArray:
 
 
 def finite(*arrays: FloatArray) -> bool:
-    """Whether no array holds NaN or infinity."""
+    """Whether no array holds NaN or infinity.
+
+    Parameters
+    ----------
+    *arrays : (...) array
+        Arrays with at least one number each.
+    """
     # argmin and argmax stop at NaN, and cost a tenth of np.isfinite(...).all() on small arrays.
     return all(
         math.isfinite(a.item(a.argmax())) and math.isfinite(a.item(a.argmin())) for a in arrays
@@ -59,13 +143,44 @@ def finite(*arrays: FloatArray) -> bool:
 
 
 def require_finite(name: str, array: FloatArray) -> None:
-    """Refuse NaN and infinity where there is no policy for them."""
+    """Refuse NaN and infinity where there is no policy for them.
+
+    Parameters
+    ----------
+    name : str
+        What the error calls it.
+    array : (...) array
+        Numbers, at least one.
+
+    Raises
+    ------
+    NotFiniteError
+        If one is NaN or infinite.
+    """
     if not finite(array):
         raise NotFiniteError(f"{name} hold NaN or infinity; expected finite numbers")
 
 
 def team(desired: Any, states: Any, name: str, rows: int) -> tuple[FloatArray, FloatArray]:
-    """Return commands (2, N) and the states (rows, N) they are for, as floats.
+    """Return commands and the states that they are for, as floats.
+
+    Parameters
+    ----------
+    desired : (2, N) array-like
+        Commands, m/s, or m/s and rad/s.
+    states : (rows, N) array-like
+        Positions, m, or poses, m and rad.
+    name : str
+        What the error calls the states.
+    rows : int
+        Rows of the states: 2 or 3.
+
+    Returns
+    -------
+    commands : (2, N) array
+        The commands, as floats.
+    states : (rows, N) array
+        The states, as floats.
 
     Raises
     ------

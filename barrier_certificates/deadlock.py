@@ -66,15 +66,35 @@ class DeadlockMonitor:
         self._stuck: BoolArray = np.zeros(0, dtype=bool)
 
     def stuck(self, number: int) -> BoolArray:
-        """Which of ``number`` robots are stuck, (N,) booleans."""
+        """Return which robots are stuck; after a change of their number, nobody.
+
+        Parameters
+        ----------
+        number : int
+            Number of robots, N.
+
+        Returns
+        -------
+        (N,) boolean array
+            True for a stuck robot.
+        """
         if self._stuck.shape[0] != number:
             self._held, self._stuck = np.zeros(number), np.zeros(number, dtype=bool)
         return self._stuck
 
     def watch(self, desired: FloatArray, command: FloatArray, velocity: FloatArray) -> None:
-        """Take note of one step: what was desired, commanded and allowed, (2, N) in m/s.
+        """Take note of one step: what was desired, commanded and allowed.
 
         A stuck robot is free again when its command (tilted or not) is allowed as it is.
+
+        Parameters
+        ----------
+        desired : (2, N) array
+            What the user asked for, m/s.
+        command : (2, N) array
+            The same, tilted where a robot is stuck, m/s.
+        velocity : (2, N) array
+            What the certificate allowed, m/s.
         """
         stuck = self.stuck(desired.shape[1])
         p = self.parameters
@@ -86,6 +106,19 @@ class DeadlockMonitor:
 
 
 def tilt(velocity: FloatArray, angle: float) -> FloatArray:
-    """Return velocities (2, N) turned anticlockwise by an angle in radians."""
+    """Return velocities turned anticlockwise.
+
+    Parameters
+    ----------
+    velocity : (2, N) array
+        Velocities, m/s.
+    angle : float
+        How far to turn, rad.
+
+    Returns
+    -------
+    (2, N) array
+        The turned velocities, m/s.
+    """
     cos, sin = math.cos(angle), math.sin(angle)
     return np.array([[cos, -sin], [sin, cos]]) @ velocity

@@ -1,10 +1,10 @@
 """What a differential-drive robot can do, and what its wheels may do on their own.
 
-In the body frame the projection point at distance d ahead of the axle moves with (v, d·ω), so the
-limits |v| ≤ v_max, |ω| ≤ ω_max and |v ± ω L/2| ≤ R·wheel_max are sides of a polygon of its
-velocities. Given the time step, they are limits on the mean velocity over the step (see
-`barrier_certificates.unicycle`), which needs v = v̄ + ε and ω up to κ times faster; both grow with
-the turn, so chords from no turn to the fastest bound them.
+In the body frame the projection point (or look-ahead point) at distance d ahead of the axle moves
+with (v, d·ω), so the limits |v| ≤ v_max, |ω| ≤ ω_max and |v ± ω L/2| ≤ R·wheel_max are sides of a
+polygon of its velocities. Given the time step, they are limits on the mean velocity over the step
+(see `barrier_certificates.unicycle`), which needs v = v̄ + ε and ω up to κ times faster; both grow
+with the turn, so chords from no turn to the fastest bound them.
 """
 
 from __future__ import annotations
@@ -58,7 +58,13 @@ class DifferentialDrive:
         self.check()
 
     def check(self) -> None:
-        """Refuse values that make no sense."""
+        """Refuse values that make no sense.
+
+        Raises
+        ------
+        ParameterError
+            If a value is out of its range, or a time step is given without a limit on turning.
+        """
         checks.positive("projection_distance", self.projection_distance, "of metres")
         checks.positive_or_none("speed_limit", self.speed_limit, "of m/s, or None")
         checks.positive_or_none("turn_rate_limit", self.turn_rate_limit, "of rad/s, or None")

@@ -59,7 +59,25 @@ def largest_gain(safety_radius: float, top_speed: float, time_step: float) -> fl
 
 
 def largest_wall_gain(top_speed: float, time_step: float) -> float:
-    """Return the largest γ that keeps robots inside straight walls in steps; see `largest_gain`."""
+    """Return the largest γ that keeps robots inside straight walls in steps; see `largest_gain`.
+
+    Parameters
+    ----------
+    top_speed : float
+        Largest speed of a robot, m/s.
+    time_step : float
+        Time from one command to the next, s.
+
+    Returns
+    -------
+    float
+        The gain γ, 1/(m² s).
+
+    Raises
+    ------
+    ParameterError
+        If either is not positive.
+    """
     checks.positive("top_speed", top_speed, "of m/s")
     checks.positive("time_step", time_step, "of seconds")
     return 1.0 / (0.4 * time_step * (top_speed * time_step) ** 2)
@@ -69,6 +87,20 @@ def turning_error(projection_distance: float, turn_rate: float, time_step: float
     """Return how far a projection point strays from its straight step while its robot turns, m.
 
     A step turns the heading by ω dt, so the point ends on an arc: ``d (1 − cos ω dt)`` behind.
+
+    Parameters
+    ----------
+    projection_distance : float
+        Distance d of the projection point ahead of the axle, m.
+    turn_rate : float
+        Rate of turning ω, rad/s.
+    time_step : float
+        Time from one command to the next, dt, s.
+
+    Raises
+    ------
+    ParameterError
+        If a value is out of its range.
 
     Examples
     --------

@@ -19,13 +19,13 @@ __all__ = ["SingleIntegratorCertificate"]
 class SingleIntegratorCertificate(Certificate):
     """The safe velocities nearest to the desired ones, for a team of single integrators.
 
+    All other parameters are those of `barrier_certificates.certificate.Certificate`.
+
     Parameters
     ----------
     speed_limit : float or None
         Largest speed, m/s: an octagon inscribed in the circle of the limit (for another shape, see
         ``limits``); None means no limit.
-    safety_radius, barrier_gain, …
-        All others are those of `barrier_certificates.certificate.Certificate`.
 
     Examples
     --------

@@ -31,46 +31,108 @@ TIE = 1e-9
 
 
 def within(value: Any, bound: Any) -> Any:
-    """Whether `value` is at most `bound`; equal counts. Numbers or arrays; NaN is not."""
+    """Return whether a value is at most the bound; equal counts, NaN is not.
+
+    Parameters
+    ----------
+    value : float or (...) array
+        What is compared.
+    bound : float or (...) array
+        What it is compared with, in the same unit.
+    """
     return value <= bound + TIE
 
 
 def beyond(value: Any, bound: Any) -> Any:
-    """Whether `value` is more than `bound`; equal does not count. Numbers or arrays; NaN is not."""
+    """Return whether a value is more than the bound; equal does not count, NaN is not.
+
+    Parameters
+    ----------
+    value : float or (...) array
+        What is compared.
+    bound : float or (...) array
+        What it is compared with, in the same unit.
+    """
     return value > bound + TIE
 
 
 def reached(value: Any, bound: Any) -> Any:
-    """Whether `value` is at least `bound`; equal counts. Numbers or arrays; NaN is not."""
+    """Return whether a value is at least the bound; equal counts, NaN is not.
+
+    Parameters
+    ----------
+    value : float or (...) array
+        What is compared.
+    bound : float or (...) array
+        What it is compared with, in the same unit.
+    """
     return value >= bound - TIE
 
 
 def short_of(value: Any, bound: Any) -> Any:
-    """Whether `value` is less than `bound`; equal does not count. Numbers or arrays; NaN is not."""
+    """Return whether a value is less than the bound; equal does not count, NaN is not.
+
+    Parameters
+    ----------
+    value : float or (...) array
+        What is compared.
+    bound : float or (...) array
+        What it is compared with, in the same unit.
+    """
     return value < bound - TIE
 
 
 def first_smallest(values: ArrayLike) -> int:
-    """Index of the smallest of finite `values`, one or more; the first of those that are equal."""
+    """Return the index of the smallest value; the first of those that are equal.
+
+    Parameters
+    ----------
+    values : (N,) array-like
+        Finite numbers, one or more.
+    """
     x = np.asarray(values, dtype=float)
     return int(np.argmax(within(x, x.min())))
 
 
 def first_largest(values: ArrayLike) -> int:
-    """Index of the largest of finite `values`, one or more; the first of those that are equal."""
+    """Return the index of the largest value; the first of those that are equal.
+
+    Parameters
+    ----------
+    values : (N,) array-like
+        Finite numbers, one or more.
+    """
     return first_smallest(-np.asarray(values, dtype=float))
 
 
 def rank(value: float) -> float:
-    """Return what to sort by, so that equal values keep their order."""
+    """Return what to sort by, so that equal values keep their order.
+
+    Parameters
+    ----------
+    value : float
+        A finite number.
+    """
     return round(value / TIE)
 
 
 def whole(value: float) -> int:
-    """Return the largest whole number that is at most `value`: 28.999999999999996 is 29."""
+    """Return the largest whole number that is at most `value`: 28.999999999999996 is 29.
+
+    Parameters
+    ----------
+    value : float
+        A finite number.
+    """
     return math.floor(value + TIE)
 
 
 def nearest_whole(value: float) -> int:
-    """Round `value` to a whole number, halves up: a duration of 2.5 steps is three steps."""
+    """Round `value` to a whole number, halves up: a duration of 2.5 steps is three steps.
+
+    Parameters
+    ----------
+    value : float
+        A finite number.
+    """
     return math.floor(value + 0.5 + TIE)

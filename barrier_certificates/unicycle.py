@@ -46,16 +46,14 @@ __all__ = ["UnicycleCertificate"]
 class UnicycleCertificate(Certificate, DifferentialDrive):
     """The safe commands nearest to the desired ones, for a team of differential-drive robots.
 
-    Call it with unicycle commands, or `project` velocities of the projection points.
+    Call it with unicycle commands, or `project` velocities of the projection points. All other
+    parameters are those of `barrier_certificates.certificate.Certificate`, which act on the
+    projection points, and of `barrier_certificates.differential_drive.DifferentialDrive`.
 
     Parameters
     ----------
     safety_radius : float
         Smallest distance between projection points, m: the centres' plus 2 d.
-    barrier_gain, …
-        Those of `barrier_certificates.certificate.Certificate`; all act on the projection points.
-    projection_distance, speed_limit, …
-        Those of `barrier_certificates.differential_drive.DifferentialDrive`.
     robust_walls : bool
         Whether walls allow for the wheels' disturbance, as pairs and obstacles do.
 
@@ -168,7 +166,7 @@ class UnicycleCertificate(Certificate, DifferentialDrive):
         return self._commands(velocity, scene.headings), info
 
     def commands(self, velocity: Any, poses: Any) -> FloatArray:
-        """Return the unicycle commands (2, N) that move projection points with these velocities.
+        """Return the unicycle commands that move projection points with these velocities.
 
         Parameters
         ----------
@@ -176,6 +174,11 @@ class UnicycleCertificate(Certificate, DifferentialDrive):
             Velocities of the projection points, m/s, as `project` returns them.
         poses : (3, N) array
             Poses of the robots, m and rad.
+
+        Returns
+        -------
+        (2, N) array
+            Forward speeds, m/s, and turn rates, rad/s.
 
         Raises
         ------

@@ -1,3 +1,6 @@
-"""Position-based flocking on the Robotarium: the law, the experiment, and what became of it."""
+"""Position-based flocking on the Robotarium, kept safe by control barrier functions (CBF).
+
+The law, the experiment, and what became of it.
+"""
 
 __version__ = "0.1.0"

@@ -1,5 +1,7 @@
 """The Robotarium's Python API, both generations, over one headless simulator.
 
+Its certificates are the control barrier function (CBF) filters of `barrier_certificates`.
+
     import rps_compat
     rps_compat.install(generation=2)          # from now on, `import rps` means us
     from rps.robotarium import Robotarium

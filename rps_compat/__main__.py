@@ -62,7 +62,13 @@ def parser() -> argparse.ArgumentParser:
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Run the command line `words`; return the exit code."""
+    """Run the command line; return the exit code.
+
+    Parameters
+    ----------
+    words : sequence of str, optional
+        What follows the command's name; by default that of this process.
+    """
     asked = parser().parse_args(words)
     if asked.command == "path":
         print(import_path(asked.generation))

@@ -46,23 +46,49 @@ class Realism(Protocol):
     """How far reality is from the ideal arena; ``None`` in its place means ideal."""
 
     def reset(self, poses: Array, time_step: float, rng: np.random.Generator) -> None:
-        """Begin a run of robots at `poses` (3, N), drawing all randomness from `rng`."""
-
-    def actuate(self, velocities: Array, poses: Array, time: float) -> Array:
-        """Velocities (2, N) that the robots really drive in the step that begins at `time`.
+        """Begin a run.
 
         Parameters
         ----------
-        velocities
-            What was commanded, cut at the wheels' limits, (2, N), m/s and rad/s. Not to be changed.
-        poses
-            True poses at the start of the step, (3, N). Not to be changed.
-        time
+        poses : (3, N) array
+            Where the robots stand, m and rad.
+        time_step : float
+            Duration of a step, s.
+        rng : Generator
+            Where all randomness of the run is drawn from.
+        """
+
+    def actuate(self, velocities: Array, poses: Array, time: float) -> Array:
+        """Return the velocities that the robots really drive in one step.
+
+        Parameters
+        ----------
+        velocities : (2, N) array
+            What was commanded, cut at the wheels' limits, m/s and rad/s. Not to be changed.
+        poses : (3, N) array
+            True poses at the start of the step, m and rad. Not to be changed.
+        time : float
             Seconds since the start of the run.
+
+        Returns
+        -------
+        (2, N) array
+            Forward speeds, m/s, and turn rates, rad/s.
         """
 
     def observe(self, poses: Array) -> Array:
-        """Poses (3, N) as the tracking system reports true `poses` (3, N), which stay unchanged."""
+        """Return the poses as the tracking system reports them.
+
+        Parameters
+        ----------
+        poses : (3, N) array
+            True poses, m and rad; stay unchanged.
+
+        Returns
+        -------
+        (3, N) array
+            Measured poses, m and rad.
+        """
 
 
 class HearsSilence(Protocol):
@@ -81,9 +107,18 @@ class Recorder(Protocol):
     """What is told of every step of every arena; the pose log is one."""
 
     def append(self, time: float, poses: Array, commands: Array) -> None:
-        """Take note of one step: its time (s), poses as read (3, N), commands as given (2, N).
+        """Take note of one step.
 
         The arrays are the arena's own: copy what is kept.
+
+        Parameters
+        ----------
+        time : float
+            Time since the start of the run, s.
+        poses : (3, N) array
+            Poses as the script read them, m and rad.
+        commands : (2, N) array
+            Commands as given, m/s and rad/s.
         """
 
 
@@ -95,30 +130,30 @@ class Arena:
 
     Parameters
     ----------
-    poses
-        Initial poses, (3, N): metres and radians. Copied.
-    robot
+    poses : (3, N) array
+        Initial poses, m and rad. Copied.
+    robot : RobotModel
         Dimensions and limits.
-    realism
+    realism : Realism, optional
         Imperfections of motors and tracking; None is the ideal arena.
-    recorder
+    recorder : Recorder, optional
         Is told of every step.
-    rng
+    rng : Generator, optional
         Where `realism` draws from; needed only with one.
 
     Attributes
     ----------
-    poses : ndarray (3, N)
-        True poses now, changed in place by :meth:`step`.
-    commands : ndarray (2, N)
-        Velocities commanded; after a step those that the wheels admit, as the testbed holds them
-        until the next command.
+    poses : (3, N) array
+        True poses now, changed in place by :meth:`step`, m and rad.
+    commands : (2, N) array
+        Velocities commanded, m/s and rad/s; after a step those that the wheels admit, as the
+        testbed holds them until the next command.
     commanded : bool
         Whether somebody has commanded since the last step: another array in `commands` is a
         command, and whoever writes into that array sets this.
-    velocities : ndarray (2, N)
-        Velocities really driven in the last step.
-    wheel_velocities : ndarray (2, N)
+    velocities : (2, N) array
+        Velocities really driven in the last step, m/s and rad/s.
+    wheel_velocities : (2, N) array
         How fast the wheels really turned in it, left then right, rad/s.
     steps : int
         Steps done.
@@ -194,7 +229,18 @@ class Arena:
         return self._observed
 
     def wheels(self, velocities: Array) -> Array:
-        """Wheel speeds (2, N), left then right in rad/s, of `velocities` (2, N)."""
+        """Return how fast the wheels of robots turn.
+
+        Parameters
+        ----------
+        velocities : (2, N) array
+            Forward speeds, m/s, and turn rates, rad/s.
+
+        Returns
+        -------
+        (2, N) array
+            Wheel speeds, left then right, rad/s.
+        """
         forward, axle = _TWO * velocities[0], self._axle * velocities[1]
         out: Array = np.empty((2, velocities.shape[1]))
         np.subtract(forward, axle, out=out[0])
@@ -203,7 +249,18 @@ class Arena:
         return out
 
     def unicycle(self, wheels: Array) -> Array:
-        """Velocities (2, N) of robots whose `wheels` (2, N) turn, left then right in rad/s."""
+        """Return the velocities of robots whose wheels turn.
+
+        Parameters
+        ----------
+        wheels : (2, N) array
+            Wheel speeds, left then right, rad/s.
+
+        Returns
+        -------
+        (2, N) array
+            Forward speeds, m/s, and turn rates, rad/s.
+        """
         left, right = wheels
         out: Array = np.empty((2, wheels.shape[1]))
         forward, turn = out
@@ -214,12 +271,29 @@ class Arena:
         return out
 
     def saturate(self, velocities: Array) -> Array:
-        """Velocities (2, N) with each wheel cut at its limit, as the motors do."""
+        """Return velocities with each wheel cut at its limit, as the motors do.
+
+        Parameters
+        ----------
+        velocities : (2, N) array
+            Forward speeds, m/s, and turn rates, rad/s.
+
+        Returns
+        -------
+        (2, N) array
+            Forward speeds, m/s, and turn rates, rad/s.
+        """
         limit = self.robot.max_wheel_velocity
         return self.unicycle(np.clip(self.wheels(velocities), -limit, limit))
 
     def place(self, poses: Array) -> None:
-        """Put the robots at `poses` (3, N), metres and radians, as if carried there."""
+        """Put the robots somewhere, as if carried there.
+
+        Parameters
+        ----------
+        poses : (3, N) array
+            Where they stand, m and rad.
+        """
         self.poses = np.array(poses, dtype=float)
         self._observed = None
 
@@ -322,11 +396,11 @@ def violations_of(poses: Array, robot: RobotModel, rows: Iterable[int]) -> Viola
 
     Parameters
     ----------
-    poses
-        Logged poses over time, (T, 3, N): metres and radians.
-    robot
+    poses : (T, 3, N) array
+        Logged poses over time, m and rad.
+    robot : RobotModel
         Whose collision test and arena are meant.
-    rows
+    rows : iterable of int
         Which rows to test, in order of time; the rows that are left out count as sound.
     """
     arena = Arena(poses[0], robot)
@@ -338,7 +412,18 @@ def violations_of(poses: Array, robot: RobotModel, rows: Iterable[int]) -> Viola
 
 
 def require_finite(velocities: Array) -> None:
-    """Raise CommandError, naming robot and value, unless all `velocities` (2, N) are finite."""
+    """Refuse velocities that are not finite, naming robot and value.
+
+    Parameters
+    ----------
+    velocities : (2, N) array
+        Forward speeds, m/s, and turn rates, rad/s.
+
+    Raises
+    ------
+    CommandError
+        If one is NaN or infinite.
+    """
     # A sum of squares is finite only where all its terms are, and cheaper than asking each; it may
     # overflow for finite velocities, so the answer no is asked again.
     flat = velocities.ravel()

@@ -43,6 +43,19 @@ def number(
     As in the published simulators, ``int``, ``float``, ``bool`` and ``np.float64`` are numbers;
     other numpy scalars are refused.
 
+    Parameters
+    ----------
+    name : str
+        What the error calls it.
+    value : object
+        What was given.
+    above : float, optional
+        It has to be greater than this.
+    least : float, optional
+        It has to be at least this.
+    most : float, optional
+        It has to be at most this.
+
     Raises
     ------
     NumberError
@@ -71,6 +84,13 @@ def number(
 def scalar(name: str, value: Any) -> None:
     """Refuse `value` unless arithmetic with arrays treats it as one number (NaN may pass).
 
+    Parameters
+    ----------
+    name : str
+        What the error calls it.
+    value : object
+        What was given.
+
     Raises
     ------
     NumberError
@@ -82,6 +102,15 @@ def scalar(name: str, value: Any) -> None:
 
 def count(name: str, value: Any, *, least: int = 1) -> None:
     """Refuse `value` unless it is an ``int`` of at least `least`.
+
+    Parameters
+    ----------
+    name : str
+        What the error calls it.
+    value : object
+        What was given.
+    least : int
+        It has to be at least this.
 
     Raises
     ------
@@ -95,7 +124,16 @@ def count(name: str, value: Any, *, least: int = 1) -> None:
 
 
 def table(name: str, value: Any, expected: str) -> None:
-    """Refuse `value` unless it is an array of two dimensions; `expected` says which.
+    """Refuse a value unless it is an array of two dimensions.
+
+    Parameters
+    ----------
+    name : str
+        What the error calls it.
+    value : object
+        What was given.
+    expected : str
+        Which dimensions, for the error: ``"(2, N)"``.
 
     Raises
     ------
@@ -124,6 +162,12 @@ def matrix(
 
     Parameters
     ----------
+    name : str
+        What the error calls it.
+    value : object
+        What was given.
+    rows : int
+        How many rows it must have: 2 for velocities, 3 for poses.
     columns : int, optional
         How many robots there are; any number if left out.
     more_rows, more_columns : bool
@@ -148,6 +192,15 @@ def matrix(
 
 def agent_index(agent: Any, agents: int, *, numpy_integers: bool) -> None:
     """Refuse `agent` unless it is one of 0 … `agents` − 1.
+
+    Parameters
+    ----------
+    agent : object
+        What was given.
+    agents : int
+        How many agents there are.
+    numpy_integers : bool
+        Whether integers of numpy pass, too.
 
     Raises
     ------

@@ -73,7 +73,13 @@ def _frozen(value: Any) -> Any:
 
 
 class PutOff:
-    """Stands for the artist of a call that was put off."""
+    """Stands for the artist of a call that was put off.
+
+    Parameters
+    ----------
+    call : _Call
+        What was asked for, to be done when the artist is seen or used.
+    """
 
     def __init__(self, call: _Call) -> None:
         object.__setattr__(self, "_call", call)
@@ -107,7 +113,13 @@ class PutOff:
 
 
 class PutOffLines(list[Any]):
-    """Stands for the list that ``plot`` returns."""
+    """Stands for the list that ``plot`` returns.
+
+    Parameters
+    ----------
+    call : _Call
+        What was asked for, to be done when a line is seen or used.
+    """
 
     def __init__(self, call: _Call) -> None:
         super().__init__()
@@ -135,7 +147,13 @@ class PutOffLines(list[Any]):
         return super().__getitem__(index)
 
     def pop(self, index: Any = -1) -> Any:
-        """Take out one line."""
+        """Take out one line.
+
+        Parameters
+        ----------
+        index : int
+            Which line; the last by default.
+        """
         self._fill()
         return super().pop(index)
 
@@ -157,6 +175,11 @@ def _single(args: list[Any]) -> bool:
 
 class Axes(mpl_axes.Axes):
     """Matplotlib's axes, but `plot`, `scatter`, `text` and `arrow` are put off.
+
+    Parameters
+    ----------
+    *args, **kwargs
+        As for `matplotlib.axes.Axes`.
 
     Attributes
     ----------
@@ -188,7 +211,13 @@ class Axes(mpl_axes.Axes):
             call.carry_out()
 
     def forget(self, call: _Call) -> None:
-        """Drop a call that was put off, all but the colour that it takes from the cycle."""
+        """Drop a call that was put off, all but the colour that it takes from the cycle.
+
+        Parameters
+        ----------
+        call : _Call
+            The call; nobody has used its artist.
+        """
         call.gone, colored = True, call.colored()
         call.args, call.kwargs = [], {}
         if colored:
@@ -203,27 +232,57 @@ class Axes(mpl_axes.Axes):
         return call
 
     def plot(self, *args: Any, **kwargs: Any) -> Any:
-        """Plot lines or markers, now or when they are seen."""
+        """Plot lines or markers, now or when they are seen.
+
+        Parameters
+        ----------
+        *args, **kwargs
+            As for the same method of `matplotlib.axes.Axes`.
+        """
         call = self._put_off("plot", args, kwargs)
         return super().plot(*args, **kwargs) if call is None else PutOffLines(call)
 
     def scatter(self, *args: Any, **kwargs: Any) -> Any:
-        """Plot markers, now or when they are seen."""
+        """Plot markers, now or when they are seen.
+
+        Parameters
+        ----------
+        *args, **kwargs
+            As for the same method of `matplotlib.axes.Axes`.
+        """
         call = self._put_off("scatter", args, kwargs)
         return super().scatter(*args, **kwargs) if call is None else PutOff(call)
 
     def text(self, *args: Any, **kwargs: Any) -> Any:
-        """Write, now or when it is seen."""
+        """Write, now or when it is seen.
+
+        Parameters
+        ----------
+        *args, **kwargs
+            As for the same method of `matplotlib.axes.Axes`.
+        """
         call = self._put_off("text", args, kwargs)
         return super().text(*args, **kwargs) if call is None else PutOff(call)
 
     def arrow(self, *args: Any, **kwargs: Any) -> Any:
-        """Draw an arrow, now or when it is seen."""
+        """Draw an arrow, now or when it is seen.
+
+        Parameters
+        ----------
+        *args, **kwargs
+            As for the same method of `matplotlib.axes.Axes`.
+        """
         call = self._put_off("arrow", args, kwargs)
         return super().arrow(*args, **kwargs) if call is None else PutOff(call)
 
     def legend(self, *args: Any, **kwargs: Any) -> Any:
-        """Make a legend, which needs the artists themselves."""
+        """Make a legend, which needs the artists themselves.
+
+        Parameters
+        ----------
+        *args, **kwargs
+            As for the same method of `matplotlib.axes.Axes`.
+        """
         made = [_made(argument) for argument in args]
         return super().legend(*made, **{name: _made(value) for name, value in kwargs.items()})
 

@@ -39,6 +39,11 @@ class NotFiniteError(RobotariumError, ValueError):
 def boundary(points: Any) -> tuple[float, float, float, float]:
     """Read the arena (x_min, x_max, y_min, y_max) in metres, as the rows need it.
 
+    Parameters
+    ----------
+    points : (4,) array-like
+        What was given as ``boundary_points``, m.
+
     Raises
     ------
     BoundaryError
@@ -54,12 +59,14 @@ def boundary(points: Any) -> tuple[float, float, float, float]:
 
 
 def octagon(limit: float, first_side: float | None = None) -> LimitRows:
-    """Speed rows: the library's octagon for any `limit` (m/s), zero and negative ones too.
+    """Return speed rows: the library's octagon for any limit, zero and negative ones too.
 
     Parameters
     ----------
+    limit : float
+        Speed at the octagon's corners, m/s.
     first_side : float, optional
-        Distance of the side at +x, where it is not that of the others.
+        Distance of the side at +x, m/s, where it is not that of the others.
     """
     rows = times(limit, VelocityPolygon.octagon(1.0))
     if first_side is not None:
@@ -69,7 +76,17 @@ def octagon(limit: float, first_side: float | None = None) -> LimitRows:
 
 
 def times(limit: float, polygon: VelocityPolygon, turning: bool = False) -> LimitRows:
-    """Rows of a polygon `limit` times as large, whatever the sign of `limit`."""
+    """Return the rows of a polygon so many times as large, whatever the sign.
+
+    Parameters
+    ----------
+    limit : float
+        How many times.
+    polygon : VelocityPolygon
+        The polygon, its bounds in m/s.
+    turning : bool
+        Whether it turns with the headings.
+    """
     fastest = abs(limit) * polygon.top_speed()
     return LimitRows(polygon.normals, limit * polygon.bounds, polygon.names, turning, fastest)
 
@@ -116,14 +133,25 @@ def certify(
     states: Array,
     obstacles: Array | None = None,
 ) -> tuple[Array, ProjectionInfo]:
-    """Ask a certificate for the safe commands nearest to `commands` (2, N), and what was done.
+    """Ask a certificate for the safe commands nearest to those given.
 
     Parameters
     ----------
-    states : array
-        Positions (2, N) or poses (3, N), as the certificate takes them.
-    obstacles : array, optional
-        Points (2, M) that stand still and keep the certificate's margin away.
+    certificate : SingleIntegratorCertificate or UnicycleCertificate
+        Who knows what is safe.
+    commands : (2, N) array
+        Commands as the certificate takes them, m/s, or m/s and rad/s.
+    states : (2, N) or (3, N) array
+        Positions, m, or poses, m and rad, as the certificate takes them.
+    obstacles : (2, M) array, optional
+        Points that stand still and keep the certificate's margin away, m.
+
+    Returns
+    -------
+    safe : (2, N) array
+        The safe commands.
+    info : ProjectionInfo
+        What was done.
 
     Warns
     -----
@@ -176,9 +204,25 @@ class PointsAhead:
     def __call__(
         self, commands: Array, poses: Array, obstacles: Array | None = None
     ) -> tuple[Array, ProjectionInfo]:
-        """Safe commands (v; ω) (2, N) nearest to `commands` for `poses` (3, N), and what was done.
+        """Return the safe commands nearest to those given, and what was done.
 
-        Nearest is meant at the points; `obstacles` are points (2, M) that stand still.
+        Nearest is meant at the points.
+
+        Parameters
+        ----------
+        commands : (2, N) array
+            Commands (v; ω), m/s and rad/s.
+        poses : (3, N) array
+            Poses, m and rad.
+        obstacles : (2, M) array, optional
+            Points that stand still, m.
+
+        Returns
+        -------
+        safe : (2, N) array
+            Commands (v; ω), m/s and rad/s.
+        info : ProjectionInfo
+            What was done.
         """
         wanted = kinematics.point_velocity(commands, poses, self.distance)
         if self.speed_limit is not None:
@@ -192,19 +236,21 @@ class PointsAhead:
 
 
 def nearest(velocities: Array, coefficients: Array, bounds: Array) -> tuple[Array, str]:
-    """Velocities (2, N) nearest to `velocities` with `coefficients` · v <= `bounds`, and how.
+    """Return the velocities nearest to those given that satisfy all rows.
 
     Parameters
     ----------
-    coefficients : array
-        (m, 2 N), the unknowns ordered robot by robot: x₁, y₁, x₂, …
-    bounds : array
-        (m,)
+    velocities : (2, N) array
+        Velocities, m/s.
+    coefficients : (m, 2 N) array
+        Of the rows ``coefficients @ v <= bounds``; the unknowns go robot by robot: x₁, y₁, x₂, …
+    bounds : (m,) array
+        Right-hand sides, m/s.
 
     Returns
     -------
-    velocities : array
-        Zeros if nothing satisfies all rows.
+    velocities : (2, N) array
+        The nearest, m/s; zeros if nothing satisfies all rows.
     status : str
         As in :class:`barrier_certificates.projection.ProjectionInfo`.
     """
@@ -225,6 +271,13 @@ def nearest(velocities: Array, coefficients: Array, bounds: Array) -> tuple[Arra
 
 def require_finite(name: str, values: Array) -> None:
     """Refuse NaN and infinity.
+
+    Parameters
+    ----------
+    name : str
+        What the error calls it.
+    values : (k, N) array
+        Numbers, a column a robot.
 
     Raises
     ------

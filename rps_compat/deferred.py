@@ -16,7 +16,17 @@ class MissingExtraError(RobotariumError, ImportError):
 
 
 class Deferred:
-    """Stands for the object `name` of the module `module` of `package`, imported when used."""
+    """Stands for the object `name` of the module `module` of `package`, imported when used.
+
+    Parameters
+    ----------
+    package : str
+        What has to be installed.
+    module : str
+        The module, by its dotted name.
+    name : str
+        The object in it; empty for the module itself.
+    """
 
     def __init__(self, package: str, module: str, name: str = "") -> None:
         self._package, self._module, self._name = package, module, name
@@ -32,7 +42,13 @@ class Deferred:
         return getattr(module, self._name) if self._name else module
 
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
-        """Call what it stands for."""
+        """Call what it stands for.
+
+        Parameters
+        ----------
+        *args, **kwargs
+            Handed on unchanged to what it stands for.
+        """
         return self._object()(*args, **kwargs)
 
     def __getattr__(self, attribute: str) -> Any:

@@ -25,6 +25,14 @@ class Deviation:
 
     Attributes
     ----------
+    generation : int
+        Of the API: 1 or 2.
+    functions : tuple of str
+        Published names of the functions that have it.
+    published : str
+        What the published simulator answers.
+    ours : str
+        What this package answers.
     always : bool
         Whether ours stands even where everything else is wanted as published.
     """
@@ -188,13 +196,25 @@ _as_published = os.environ.get("RPS_COMPAT_AS_PUBLISHED", "") not in ("", "0")
 
 
 def as_published(name: str) -> bool:
-    """Whether the deviation `name` is switched off, so that the published defect is wanted."""
+    """Whether the deviation `name` is switched off, so that the published defect is wanted.
+
+    Parameters
+    ----------
+    name : str
+        Key of `DEVIATIONS`.
+    """
     return _as_published and not DEVIATIONS[name].always
 
 
 @contextmanager
 def all_as_published(wanted: bool = True) -> Iterator[None]:
-    """Within the block, answer as the published simulators do, defects included."""
+    """Within the block, answer as the published simulators do, defects included.
+
+    Parameters
+    ----------
+    wanted : bool
+        False has the defects repaired again, within such a block.
+    """
     global _as_published
     before, _as_published = _as_published, wanted
     try:

@@ -22,7 +22,24 @@ class ProfileError(RobotariumError, ValueError):
 
 
 def require(condition: bool, name: str, got: object, expected: str) -> None:
-    """Raise ProfileError, naming the entry, unless `condition`."""
+    """Refuse an entry of a profile that does not meet its condition.
+
+    Parameters
+    ----------
+    condition : bool
+        Whether it does.
+    name : str
+        The entry, for the error.
+    got : object
+        What stands there.
+    expected : str
+        What may stand there.
+
+    Raises
+    ------
+    ProfileError
+        If the condition is False.
+    """
     if not condition:
         raise ProfileError(f"{name}: expected {expected}, got {got!r}")
 
@@ -62,7 +79,19 @@ class Draw:
         require(self.limit > 0, "limit", self.limit, "more than 0")
 
     def draw(self, robots: int, rng: np.random.Generator) -> Array:
-        """Return one value a robot, (N,).
+        """Return one value a robot.
+
+        Parameters
+        ----------
+        robots : int
+            Number of robots, N.
+        rng : Generator
+            Where they are drawn from.
+
+        Returns
+        -------
+        (N,) array
+            The values, in the entry's unit.
 
         Raises
         ------
@@ -90,7 +119,20 @@ class Draw:
         return out
 
     def require_at_least(self, least: float, name: str) -> None:
-        """Raise ProfileError where a value below `least` could be drawn (a normal's 3 σ)."""
+        """Refuse a distribution that could give too small a value (a normal's 3 σ).
+
+        Parameters
+        ----------
+        least : float
+            The smallest that makes sense, in the entry's unit.
+        name : str
+            The entry, for the error.
+
+        Raises
+        ------
+        ProfileError
+            If a value below could be drawn.
+        """
         low = min(self.values)
         if self.kind == "normal":
             low = self.values[0] - min(3 * self.values[1], self.limit)
@@ -98,7 +140,13 @@ class Draw:
 
 
 def constant(value: float) -> Draw:
-    """Return a draw that is `value` for every robot."""
+    """Return the distribution that is one value for every robot.
+
+    Parameters
+    ----------
+    value : float
+        The value, in the entry's unit.
+    """
     return Draw("constant", (value,))
 
 
@@ -128,7 +176,18 @@ class Curve:
         return max((factor for _, factor in self.points), default=1.0)
 
     def __call__(self, speeds: Array) -> Array | float:
-        """Return the factor at `speeds` (N,) ≥ 0."""
+        """Return the factor at some speeds.
+
+        Parameters
+        ----------
+        speeds : (N,) array
+            Speeds without their sign, in the unit of the points.
+
+        Returns
+        -------
+        float or (N,) array
+            The factors; 1.0 where there are no points.
+        """
         if not self.points:
             return 1.0
         at, factors = zip(*self.points, strict=True)

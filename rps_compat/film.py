@@ -52,7 +52,15 @@ class Film:
         return not self._due and self._writer is None
 
     def at(self, time: float, instance: Any) -> None:
-        """Take what is due at `time` (s) of the run of `instance`."""
+        """Take what is due.
+
+        Parameters
+        ----------
+        time : float
+            Time of the run, s.
+        instance : Robotarium
+            Whose picture is taken.
+        """
         while self._due and reached(time, self._due[0]):
             self._snapshot(instance, self._due.pop(0))
         if reached(time, self._frame):
@@ -65,7 +73,13 @@ class Film:
             self._frame += 1 / self._per_second
 
     def end(self, instance: Any | None) -> None:
-        """Take the snapshot of the end, if asked for, and finish the video."""
+        """Take the snapshot of the end, if asked for, and finish the video.
+
+        Parameters
+        ----------
+        instance : Robotarium or None
+            Whose picture is taken; None where there was none.
+        """
         if instance is not None and math.inf in self._due:
             self._snapshot(instance, math.inf)
         self._due = []
@@ -80,7 +94,13 @@ class Film:
 
 
 def figure_of(instance: Any) -> Any:
-    """Figure of an instance of either generation, made now if it had none."""
+    """Return the figure of an instance, made now if it had none.
+
+    Parameters
+    ----------
+    instance : Robotarium
+        Of either generation.
+    """
     return instance._fig if hasattr(type(instance), "TIME_STEP") else instance.figure
 
 

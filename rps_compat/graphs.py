@@ -17,32 +17,91 @@ Indices = NDArray[np.intp]
 
 
 def line(n: int) -> Array:
-    """Laplacian (n, n) of a line of `n` nodes; of one node, [[1]] as published."""
+    """Return the Laplacian of a line; of one node it is [[1]], as published.
+
+    Parameters
+    ----------
+    n : int
+        Number of nodes.
+
+    Returns
+    -------
+    (n, n) array
+        Degrees on the diagonal, −1 for each edge, else 0.
+    """
     laplacian = _band(n)
     laplacian[0, 0] = laplacian[-1, -1] = 1.0
     return laplacian
 
 
 def cycle(n: int) -> Array:
-    """Laplacian (n, n) of a ring of `n` nodes; from three nodes on, its rows sum to zero."""
+    """Return the Laplacian of a ring; from three nodes on, its rows sum to zero.
+
+    Parameters
+    ----------
+    n : int
+        Number of nodes.
+
+    Returns
+    -------
+    (n, n) array
+        Degrees on the diagonal, −1 for each edge, else 0.
+    """
     laplacian = _band(n)
     laplacian[0, -1] = laplacian[-1, 0] = -1.0
     return laplacian
 
 
 def complete(n: int) -> Array:
-    """Laplacian (n, n) of `n` nodes that are all joined."""
+    """Return the Laplacian of nodes that are all joined.
+
+    Parameters
+    ----------
+    n : int
+        Number of nodes.
+
+    Returns
+    -------
+    (n, n) array
+        Degrees on the diagonal, −1 for each edge, else 0.
+    """
     laplacian: Array = n * np.eye(n) - np.ones((n, n))
     return laplacian
 
 
 def random(nodes: int, edges: int) -> Array:
-    """Laplacian of a random graph with `edges` edges, or with all there can be."""
+    """Return the Laplacian of a random graph.
+
+    Parameters
+    ----------
+    nodes : int
+        Number of nodes, n.
+    edges : int
+        Number of edges; with more than there can be, all are there.
+
+    Returns
+    -------
+    (n, n) array
+        Degrees on the diagonal, −1 for each edge, else 0.
+    """
     return _with_more_edges(np.zeros((nodes, nodes)), edges)
 
 
 def random_connected(nodes: int, extra_edges: int) -> Array:
-    """Laplacian of a random tree over `nodes` nodes with `extra_edges` edges more."""
+    """Return the Laplacian of a random tree with some edges more.
+
+    Parameters
+    ----------
+    nodes : int
+        Number of nodes, n.
+    extra_edges : int
+        Edges beyond the tree's n − 1; with more than there can be, all are there.
+
+    Returns
+    -------
+    (n, n) array
+        Degrees on the diagonal, −1 for each edge, else 0.
+    """
     adjacency = np.zeros((nodes, nodes))
     for node in range(1, nodes):
         parent = np.random.randint(0, node)  # noqa: NPY002  (the published stream)
@@ -51,14 +110,42 @@ def random_connected(nodes: int, extra_edges: int) -> Array:
 
 
 def topological_neighbors(laplacian: Array, agent: int) -> Indices:
-    """Nodes that `laplacian` (n, n) joins to `agent`, in ascending order."""
+    """Return the nodes that are joined to an agent, in ascending order.
+
+    Parameters
+    ----------
+    laplacian : (n, n) array
+        Laplacian of the graph.
+    agent : int
+        The agent's node.
+
+    Returns
+    -------
+    (k,) integer array
+        Numbers of the neighbours.
+    """
     joined = laplacian[agent] != 0
     joined[agent] = False
     return np.nonzero(joined)[0]
 
 
 def disk_neighbors(positions: Array, agent: int, radius: float) -> Indices:
-    """Columns of `positions` (d, N) within `radius` (m) of column `agent`, in ascending order."""
+    """Return the agents within a radius of one, in ascending order.
+
+    Parameters
+    ----------
+    positions : (d, N) array
+        Positions, m.
+    agent : int
+        Column of the one in the middle.
+    radius : float
+        The radius, m; who is exactly there counts.
+
+    Returns
+    -------
+    (k,) integer array
+        Numbers of the neighbours.
+    """
     near: NDArray[np.bool_] = within(
         np.linalg.norm(positions - positions[:, [agent]], axis=0), radius
     )

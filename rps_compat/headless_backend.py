@@ -34,7 +34,15 @@ _running: "weakref.WeakSet[HeadlessTimer]" = weakref.WeakSet()
 
 
 class HeadlessTimer(TimerBase):
-    """A timer of the event loop; it is due at times of the clock in force."""
+    """A timer of the event loop; it is due at times of the clock in force.
+
+    Parameters
+    ----------
+    canvas : HeadlessCanvas
+        The window whose event loop it belongs to.
+    *arguments, **named
+        As for `matplotlib.backend_bases.TimerBase`.
+    """
 
     def __init__(self, canvas: "HeadlessCanvas", *arguments: Any, **named: Any) -> None:
         self.canvas = weakref.ref(canvas)
@@ -145,7 +153,13 @@ class HeadlessCanvas(FigureCanvasAgg):
         self._owed = True
 
     def draw_idle(self, *args: Any, **kwargs: Any) -> None:
-        """Remember to draw."""
+        """Remember to draw.
+
+        Parameters
+        ----------
+        *args, **kwargs
+            Matplotlib's; nothing depends on them.
+        """
         self._owed = True
 
     def draw_now(self) -> None:
@@ -159,9 +173,14 @@ class HeadlessCanvas(FigureCanvasAgg):
             _serve(time.monotonic(), lambda: True)
 
     def start_event_loop(self, timeout: float = 0) -> None:
-        """Run the timers for `timeout` seconds on the clock in force, which is how a pause waits.
+        """Run the timers on the clock in force, which is how a pause waits.
 
         Without a limit, until there are none or ``stop_event_loop`` is called: nothing else comes.
+
+        Parameters
+        ----------
+        timeout : float
+            How long, s; zero for no limit.
         """
         self._looping = True
         if not _running:
@@ -177,7 +196,13 @@ class HeadlessCanvas(FigureCanvasAgg):
         self._looping = False
 
     def new_timer(self, *arguments: Any, **named: Any) -> HeadlessTimer:
-        """Make a timer of this window."""
+        """Make a timer of this window.
+
+        Parameters
+        ----------
+        *arguments, **named
+            As for `HeadlessTimer`.
+        """
         return HeadlessTimer(self, *arguments, **named)
 
     def buffer_rgba(self) -> memoryview:

@@ -46,7 +46,19 @@ _PATIENCE = 90  # steps without progress before the robots are shaken
 
 
 def checked_poses(poses: Any, number_of_robots: int) -> Array:
-    """Copy `poses` (3, N) as floats, whatever kind of number they are.
+    """Copy initial conditions as floats, whatever kind of number they are.
+
+    Parameters
+    ----------
+    poses : (3, N) array
+        What the script gave, m and rad.
+    number_of_robots : int
+        Number of robots, N.
+
+    Returns
+    -------
+    (3, N) array
+        Poses, m and rad.
 
     Raises
     ------
@@ -78,9 +90,16 @@ def checked_poses(poses: Any, number_of_robots: int) -> Array:
 
 
 def warn_of_outside(poses: Array, robot: RobotModel) -> None:
-    """Warn of robots at `poses` (3, N) that stand outside the arena.
+    """Warn of robots that stand outside the arena.
 
     Published scripts start some there, so nobody is refused; the run's report counts them.
+
+    Parameters
+    ----------
+    poses : (3, N) array
+        Where they stand, m and rad.
+    robot : RobotModel
+        Dimensions and limits of the robots, and the arena.
     """
     x, y, _ = poses
     x_min, x_max, y_min, y_max = robot.boundaries
@@ -95,10 +114,19 @@ def warn_of_outside(poses: Array, robot: RobotModel) -> None:
 
 
 def check_distances(poses: Array, robot: RobotModel, *, apart: bool) -> None:
-    """Check that no two robots at `poses` (3, N) are too close.
+    """Check that no two robots are too close.
 
     Where robots start so, as in published scripts, a warning names them, and the run's report
     counts them.
+
+    Parameters
+    ----------
+    poses : (3, N) array
+        Where they stand, m and rad.
+    robot : RobotModel
+        Dimensions and limits of the robots, and the arena.
+    apart : bool
+        Whether two that are too close are refused, or warned of.
 
     Raises
     ------
@@ -127,10 +155,24 @@ def _nearest_pair(poses: Array, ahead: float) -> tuple[float, int, int]:
 
 
 def starting_places(targets: Array, robot: RobotModel, rng: np.random.Generator) -> Array:
-    """Draw poses (3, N) from which robots can drive to `targets` (3, N), well apart.
+    """Draw poses from which robots can drive to their targets, well apart.
 
     The places are drawn from a grid that holds up to 50 robots, jittered, and assigned to the
     robots with the smallest sum of squared ways; headings are random.
+
+    Parameters
+    ----------
+    targets : (3, N) array
+        Where each robot is to stand, m and rad.
+    robot : RobotModel
+        Dimensions and limits of the robots, and the arena.
+    rng : Generator
+        Where places and headings are drawn from.
+
+    Returns
+    -------
+    (3, N) array
+        Poses, m and rad.
     """
     from scipy.optimize import linear_sum_assignment
 
@@ -159,17 +201,26 @@ def drawn_poses(
     robot: RobotModel,
     rng: Callable[[], np.random.Generator],
 ) -> Array:
-    """Draw poses (3, `robots`) for a script that gives none, as the API does where that works.
+    """Draw poses for a script that gives none, as the API does where that works.
 
     Parameters
     ----------
-    draw
+    draw : callable
         The API's own draw, from the distance that robots are to keep (m).
-    spacing
-        The distance that the API asks for. Large teams do not fit so far apart, and nobody asked
+    spacing : float
+        The distance that the API asks for, m. Large teams do not fit so far apart, and nobody asked
         for it: it shrinks, until a jittered grid keeps the robots farther apart.
-    rng
+    robots : int
+        Number of robots, N.
+    robot : RobotModel
+        Dimensions and limits of the robots, and the arena.
+    rng : callable
         Makes the random stream of the grid; not called where `draw` finds places.
+
+    Returns
+    -------
+    (3, N) array
+        Poses, m and rad.
     """
     while True:
         try:
@@ -184,10 +235,24 @@ def drawn_poses(
 
 
 def near(targets: Array, robot: RobotModel, rng: np.random.Generator) -> Array:
-    """Draw poses (3, N) as the testbed's drive leaves them: within 5 cm and 0.2 rad of `targets`.
+    """Draw poses as the testbed's drive leaves them: within 5 cm and 0.2 rad of the targets.
 
     Errors that would bring two robots too close are drawn again, with less and less error; none
     brings a robot outside whose target is inside.
+
+    Parameters
+    ----------
+    targets : (3, N) array
+        Where each robot is to stand, m and rad.
+    robot : RobotModel
+        Dimensions and limits of the robots, and the arena.
+    rng : Generator
+        Where the errors are drawn from.
+
+    Returns
+    -------
+    (3, N) array
+        Poses, m and rad.
     """
     robots = targets.shape[1]
     x_min, x_max, y_min, y_max = _room_for(targets, robot)
@@ -224,12 +289,12 @@ class Drive:
 
     Parameters
     ----------
-    targets
-        Where each robot is to stand, (3, N).
-    robot
-        Dimensions and limits of the robots.
-    rng
-        Draws the shaking.
+    targets : (3, N) array
+        Where each robot is to stand, m and rad.
+    robot : RobotModel
+        Dimensions and limits of the robots, and the arena.
+    rng : Generator
+        Draws the shaking that frees robots which block each other.
 
     Raises
     ------
@@ -265,7 +330,13 @@ class Drive:
         self._nearest, self._driven, self._stalled = math.inf, 0, 0
 
     def arrived(self, poses: Array) -> bool:
-        """Whether all robots at `poses` (3, N) are within tolerance."""
+        """Return whether all robots are within tolerance of their targets.
+
+        Parameters
+        ----------
+        poses : (3, N) array
+            Poses, m and rad.
+        """
         return not self._late(poses).any()
 
     def _late(self, poses: Array) -> NDArray[np.bool_]:
@@ -282,7 +353,18 @@ class Drive:
         return wrap(self._targets[2] - poses[2])
 
     def commands(self, poses: Array) -> Array:
-        """Velocities (2, N) for robots at `poses` (3, N), certified."""
+        """Return certified velocities towards the targets.
+
+        Parameters
+        ----------
+        poses : (3, N) array
+            Poses, m and rad.
+
+        Returns
+        -------
+        (2, N) array
+            Forward speeds, m/s, and turn rates, rad/s.
+        """
         ahead = self._robot.collision_offset
         ways = self._targets[:2] - poses[:2]
         left = np.hypot(*ways)
@@ -325,7 +407,13 @@ class Drive:
             yield self._driven
 
     def failure(self, poses: Array) -> UnreachableError:
-        """Return the error that says which robots did not arrive at all, and how far they were."""
+        """Return the error that says which robots did not arrive at all, and how far they were.
+
+        Parameters
+        ----------
+        poses : (3, N) array
+            Poses, m and rad.
+        """
         errors = self._position_errors(poses)
         late = np.flatnonzero(self._late(poses))
         which = ", ".join(f"{robot} ({100 * errors[robot]:.1f} cm away)" for robot in late[:8])
@@ -340,9 +428,20 @@ class Drive:
 def drive_to(
     arena: Arena, targets: Array, rng: np.random.Generator, after_step: Callable[[], None]
 ) -> None:
-    """Drive the robots of `arena` from where they are to `targets` (3, N), and stop them there.
+    """Drive the robots of an arena to their targets, and stop them there.
 
     `after_step` is called after each step, for sensors and windows.
+
+    Parameters
+    ----------
+    arena : Arena
+        Where they are.
+    targets : (3, N) array
+        Where each robot is to stand, m and rad.
+    rng : Generator
+        As for `Drive`.
+    after_step : callable
+        Is called after each step, for sensors and windows.
 
     Raises
     ------
@@ -371,7 +470,23 @@ def first_poses(
     robot: RobotModel,
     rng: Callable[[], np.random.Generator],
 ) -> Array:
-    """Where the robots of a new instance stand: at `targets` (3, N), near, or yet to be driven.
+    """Return where the robots of a new instance stand: at their targets, near, or yet to be driven.
+
+    Parameters
+    ----------
+    targets : (3, N) array
+        Where each robot is to stand, m and rad.
+    mode : {"exact", "arrive", "drive"}
+        How they come to their targets, see `Session`.
+    robot : RobotModel
+        Dimensions and limits of the robots, and the arena.
+    rng : callable
+        Makes the random stream of what is drawn; not called for "exact".
+
+    Returns
+    -------
+    (3, N) array
+        Poses, m and rad.
 
     Raises
     ------

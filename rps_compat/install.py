@@ -115,7 +115,18 @@ def uninstall() -> None:
 
 
 def import_path(generation: int) -> Path:
-    """Folder that, on ``PYTHONPATH``, makes ``import rps`` mean `generation` in any process."""
+    """Return the folder that, on ``PYTHONPATH``, makes ``import rps`` mean a generation.
+
+    Parameters
+    ----------
+    generation : int
+        Of the API: 1 or 2.
+
+    Raises
+    ------
+    UnknownGenerationError
+        If there is no such generation.
+    """
     if generation not in (1, 2):
         raise UnknownGenerationError(
             f"generation={generation!r}: the generations of the API are 1 and 2"

@@ -33,9 +33,16 @@ class _Time(ctypes.Structure):
 
 @contextlib.contextmanager
 def last_resort(seconds: float, exit_code: int) -> Iterator[None]:
-    """End the process if it is still in the ``with`` block after real `seconds`.
+    """End the process if it is still in the ``with`` block after some real time.
 
     On systems without such timers it does nothing.
+
+    Parameters
+    ----------
+    seconds : float
+        How long it may take, s of real time.
+    exit_code : int
+        What the process then ends with.
     """
     libc = ctypes.CDLL(None) if sys.platform == "linux" and sys.maxsize > 2**32 else None
     if not hasattr(libc, "timer_create"):

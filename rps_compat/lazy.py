@@ -11,7 +11,13 @@ from typing import Any
 
 
 class LazyModule(ModuleType):
-    """Stands for the module `name` and becomes it at the first use of an attribute."""
+    """Stands for the module `name` and becomes it at the first use of an attribute.
+
+    Parameters
+    ----------
+    name : str
+        Dotted name of the module.
+    """
 
     def __init__(self, name: str) -> None:
         super().__init__(name, f"The module {name}, imported when first used.")

@@ -66,7 +66,13 @@ class Finding:
 
 
 def findings_of(script: Script) -> list[Finding]:
-    """List what has to change in a script and in the modules beside it, by file and line."""
+    """List what has to change in a script and in the modules beside it, by file and line.
+
+    Parameters
+    ----------
+    script : Script
+        The script, as read.
+    """
     program = Program(script)
     uses = [use for use in uses_in(program) if not use.ready and _is_told(use)]
     evidence = evidence_of(uses)
@@ -97,6 +103,13 @@ def findings_of(script: Script) -> list[Finding]:
 def findings_in(source: bytes, name: str = "script") -> list[Finding]:
     """List what has to change in the bytes of a script.
 
+    Parameters
+    ----------
+    source : bytes
+        The script's text.
+    name : str
+        What the error calls it.
+
     Raises
     ------
     UnreadableError
@@ -106,12 +119,25 @@ def findings_in(source: bytes, name: str = "script") -> list[Finding]:
 
 
 def rewritten(script: Script, findings: list[Finding]) -> bytes:
-    """Return the script with the edits of all `findings` made; the rest stays as it was."""
+    """Return the script with the edits of all `findings` made; the rest stays as it was.
+
+    Parameters
+    ----------
+    script : Script
+        The script, as read.
+    findings : list of Finding
+        What is changed.
+    """
     return editing.rewritten(script, [edit for finding in findings for edit in finding.edits])
 
 
 def lint_script(path: Path) -> tuple[Script, list[Finding]]:
     """Read a script and list its findings.
+
+    Parameters
+    ----------
+    path : Path
+        The script's file.
 
     Raises
     ------

@@ -31,7 +31,23 @@ class MotorEffect(Protocol):
     """An imperfection between command and motion."""
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
-        """Draw this run's numbers and return what one step does."""
+        """Draw this run's numbers and return what one step does.
+
+        Parameters
+        ----------
+        robots : int
+            Number of robots, N.
+        time_step : float
+            Duration of a step, s.
+        rng : Generator
+            Where this effect draws from, now and in every step.
+
+        Returns
+        -------
+        callable
+            From velocities (2, N), m/s and rad/s, and the age of each command (N,), s, to the
+            velocities after this effect.
+        """
 
 
 @dataclass(frozen=True)
@@ -50,7 +66,17 @@ class CommandLoss:
         require(0 <= self.probability <= 1, "command_loss.probability", self.probability, "0 to 1")
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
-        """Start with robots that stand still and have heard nothing."""
+        """Start with robots that stand still and have heard nothing.
+
+        Parameters
+        ----------
+        robots : int
+            Number of robots, N.
+        time_step : float
+            Duration of a step, s.
+        rng : Generator
+            Where this effect draws from, now and in every step.
+        """
         held, silence = np.zeros((2, robots)), np.zeros(robots)
 
         def lose(velocities: Array, age: Array) -> Array:
@@ -80,7 +106,17 @@ class Watchdog:
         require(self.seconds > 0, "watchdog.seconds", self.seconds, "more than 0 s")
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
-        """Start with no silence."""
+        """Start with no silence.
+
+        Parameters
+        ----------
+        robots : int
+            Number of robots, N.
+        time_step : float
+            Duration of a step, s.
+        rng : Generator
+            Where this effect draws from, now and in every step.
+        """
 
         def brake(velocities: Array, age: Array) -> Array:
             silent = reached(age, self.seconds)
@@ -111,7 +147,17 @@ class DeadTime:
         self.seconds.require_at_least(0.0, "dead_time.seconds")
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
-        """Draw each robot's dead time; the past is standing still."""
+        """Draw each robot's dead time; the past is standing still.
+
+        Parameters
+        ----------
+        robots : int
+            Number of robots, N.
+        time_step : float
+            Duration of a step, s.
+        rng : Generator
+            Where this effect draws from, now and in every step.
+        """
         steps = self.seconds.draw(robots, rng) / time_step
         length = int(np.ceil(steps.max(initial=0.0) * self.by_speed.largest)) + 2
         past = np.zeros((length, 2, robots))
@@ -152,7 +198,17 @@ class DeadBand:
         require(self.turn >= 0, "dead_band.turn", self.turn, "0 rad/s or more")
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
-        """Nothing to remember."""
+        """Return what one step does; there is nothing to remember.
+
+        Parameters
+        ----------
+        robots : int
+            Number of robots, N.
+        time_step : float
+            Duration of a step, s.
+        rng : Generator
+            Where this effect draws from, now and in every step.
+        """
 
         def rest(velocities: Array, age: Array) -> Array:
             off = short_of(np.abs(velocities[0]), self.speed) & short_of(
@@ -185,7 +241,17 @@ class Gains:
         self.turn.require_at_least(0.0, "gains.turn")
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
-        """Draw each robot's two gains."""
+        """Draw each robot's two gains.
+
+        Parameters
+        ----------
+        robots : int
+            Number of robots, N.
+        time_step : float
+            Duration of a step, s.
+        rng : Generator
+            Where this effect draws from, now and in every step.
+        """
         speed, turn = self.speed.draw(robots, rng), self.turn.draw(robots, rng)
 
         def scale(velocities: Array, age: Array) -> Array:
@@ -218,7 +284,17 @@ class Lag:
         self.seconds.require_at_least(0.0, "lag.seconds")
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
-        """Draw each robot's time constant; start at rest."""
+        """Draw each robot's time constant; start at rest.
+
+        Parameters
+        ----------
+        robots : int
+            Number of robots, N.
+        time_step : float
+            Duration of a step, s.
+        rng : Generator
+            Where this effect draws from, now and in every step.
+        """
         base = self.seconds.draw(robots, rng)
         state = np.zeros((2, robots))
 
@@ -249,7 +325,17 @@ class WheelSlew:
         require(self.limit > 0, "wheel_slew.limit", self.limit, "more than 0 rad/s²")
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
-        """Start at rest."""
+        """Start at rest.
+
+        Parameters
+        ----------
+        robots : int
+            Number of robots, N.
+        time_step : float
+            Duration of a step, s.
+        rng : Generator
+            Where this effect draws from, now and in every step.
+        """
         # Both wheels, times R: v ∓ ω L/2.
         change = self.limit * time_step * GRITSBOT_X.wheel_radius
         half = GRITSBOT_X.base_length / 2
@@ -276,7 +362,17 @@ class TurnBias:
     rate: Draw
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
-        """Draw each robot's bias."""
+        """Draw each robot's bias.
+
+        Parameters
+        ----------
+        robots : int
+            Number of robots, N.
+        time_step : float
+            Duration of a step, s.
+        rng : Generator
+            Where this effect draws from, now and in every step.
+        """
         rate = self.rate.draw(robots, rng)
 
         def turn(velocities: Array, age: Array) -> Array:
@@ -305,7 +401,17 @@ class Disturbance:
         require(self.turn >= 0, "disturbance.turn", self.turn, "0 rad/s or more")
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
-        """Nothing to draw before the first step."""
+        """Return what one step does; nothing is drawn before the first.
+
+        Parameters
+        ----------
+        robots : int
+            Number of robots, N.
+        time_step : float
+            Duration of a step, s.
+        rng : Generator
+            Where this effect draws from, now and in every step.
+        """
         scale = np.array([[self.speed], [self.turn]])
 
         def disturb(velocities: Array, age: Array) -> Array:

@@ -24,7 +24,13 @@ class Pace:
         self._slot = perf_counter()
 
     def after_step(self, time_step: float) -> None:
-        """Wait for the end of the slot of `time_step` seconds; redraw the window when it is due."""
+        """Wait for the end of the step's slot; redraw the window when it is due.
+
+        Parameters
+        ----------
+        time_step : float
+            Duration of the slot, s.
+        """
         figure = self._figure
         if figure is not None and figure.in_window:
             figure.refresh()

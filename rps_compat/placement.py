@@ -22,9 +22,27 @@ class CrowdedError(RobotariumError, RuntimeError, AssertionError, ValueError):
 def spaced_positions(
     robots: int, spacing: float, width: float, height: float, candidates: int
 ) -> Array:
-    """Positions (2, `robots`) in a centred rectangle, any two at least `spacing` (m) apart.
+    """Draw positions in a centred rectangle, any two of them some distance apart.
 
     Candidates are drawn one by one and kept if they are far enough from those kept before.
+
+    Parameters
+    ----------
+    robots : int
+        Number of robots, N.
+    spacing : float
+        Least distance of two, m.
+    width : float
+        Of the rectangle, along x, m.
+    height : float
+        Of the rectangle, along y, m.
+    candidates : int
+        How many are drawn at most.
+
+    Returns
+    -------
+    (2, N) array
+        Positions, m.
 
     Raises
     ------
@@ -55,7 +73,21 @@ def spaced_positions(
 
 
 def two_rows(robots: int, width: float, height: float) -> Array:
-    """Poses (3, `robots`) drawn from two rows of eleven, which look at each other.
+    """Draw poses from two rows of eleven, which look at each other.
+
+    Parameters
+    ----------
+    robots : int
+        Number of robots, N.
+    width : float
+        From the first place of a row to its last, along x, m.
+    height : float
+        From row to row, along y, m.
+
+    Returns
+    -------
+    (3, N) array
+        Poses, m and rad.
 
     Raises
     ------

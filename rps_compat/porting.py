@@ -66,7 +66,7 @@ class Porting:
     Parameters
     ----------
     program : Program
-        The script.
+        The script and the modules beside it.
     text : Text
         Its text, in which names have been edited already.
     renaming : Renaming

@@ -86,7 +86,13 @@ def _forget_modules_of(folder: Path, known: set[str]) -> None:
 
 
 def hiding_notes(names: HiddenNames | None) -> list[str]:
-    """Note what of Python's or of the testbed's the script's files hide, where anybody needs it."""
+    """Note what of Python's or of the testbed's the script's files hide, where anybody needs it.
+
+    Parameters
+    ----------
+    names : HiddenNames or None
+        What the files beside the script claim; None where nobody looked.
+    """
     found: list[str] = []
     if names is None:
         return found

@@ -44,6 +44,11 @@ _KINDS = ("uniform", "normal", "robots")
 def load_profile(name: str | Path) -> Profile:
     """Return a profile by name (``ideal``, ``gritsbot_x``, ``harsh``) or from a TOML file.
 
+    Parameters
+    ----------
+    name : str or Path
+        Name of a profile, or a TOML file.
+
     Raises
     ------
     ProfileError
@@ -65,12 +70,31 @@ def load_profile(name: str | Path) -> Profile:
 
 
 def profile_text(name: str) -> str:
-    """Return the TOML text of a named profile, for a user to copy and edit."""
+    """Return the TOML text of a named profile, for a user to copy and edit.
+
+    Parameters
+    ----------
+    name : str
+        ``ideal``, ``gritsbot_x`` or ``harsh``.
+    """
     return (resources.files("rps_compat") / "profiles" / f"{name}.toml").read_text("utf-8")
 
 
 def profile_from_toml(text: str, where: str = "profile") -> Profile:
-    """Return the profile that TOML `text` describes; `where` names it in messages."""
+    """Return the profile that a TOML text describes.
+
+    Parameters
+    ----------
+    text : str
+        Entries ``name`` and ``about``, and a table for each effect.
+    where : str
+        What errors call it.
+
+    Raises
+    ------
+    ProfileError
+        If it is not TOML, or holds what no effect knows.
+    """
     if sys.version_info >= (3, 11):
         import tomllib
     else:
@@ -84,7 +108,20 @@ def profile_from_toml(text: str, where: str = "profile") -> Profile:
 
 
 def profile_from_dict(table: Mapping[str, Any], where: str = "profile") -> Profile:
-    """Return the profile that a table of tables describes, as TOML or JSON gives it."""
+    """Return the profile that a table of tables describes, as TOML or JSON gives it.
+
+    Parameters
+    ----------
+    table : mapping
+        From effect to its entries, and ``name`` and ``about``.
+    where : str
+        What errors call it.
+
+    Raises
+    ------
+    ProfileError
+        If it holds what no effect knows.
+    """
     _refuse_unknown(table, ("name", "about", *EFFECTS), where)
     values: dict[str, Any] = {"name": str(table.get("name", where)), "about": ""}
     values["about"] = str(table.get("about", ""))
@@ -95,7 +132,13 @@ def profile_from_dict(table: Mapping[str, Any], where: str = "profile") -> Profi
 
 
 def profile_to_dict(profile: Profile) -> dict[str, Any]:
-    """Return the table of tables that :func:`profile_from_dict` reads back."""
+    """Return the table of tables that :func:`profile_from_dict` reads back.
+
+    Parameters
+    ----------
+    profile : Profile
+        What is written.
+    """
     out: dict[str, Any] = {"name": profile.name, "about": profile.about}
     for effect in profile.effects:
         settings = getattr(profile, effect)
@@ -108,7 +151,13 @@ def profile_to_dict(profile: Profile) -> dict[str, Any]:
 
 
 def profile_to_toml(profile: Profile) -> str:
-    """Return `profile` as TOML text that :func:`profile_from_toml` reads back unchanged."""
+    """Return `profile` as TOML text that :func:`profile_from_toml` reads back unchanged.
+
+    Parameters
+    ----------
+    profile : Profile
+        What is written.
+    """
     table = profile_to_dict(profile)
     lines = [f"{key} = {_toml(table.pop(key))}" for key in ("name", "about")]
     for effect, settings in table.items():

@@ -103,6 +103,30 @@ class Profile:
         What reports call it.
     about : str
         Where its numbers come from.
+    command_loss : CommandLoss, optional
+        Commands that do not arrive.
+    watchdog : Watchdog, optional
+        Robots that stop when they hear nothing.
+    dead_time : DeadTime, optional
+        Commands that act late.
+    dead_band : DeadBand, optional
+        Commands too small to move.
+    gains : Gains, optional
+        Robots faster or slower than told.
+    lag : Lag, optional
+        Motors that need time to follow.
+    wheel_slew : WheelSlew, optional
+        Wheels that speed up no faster than a limit.
+    turn_bias : TurnBias, optional
+        Robots that drive in curves when told to go straight.
+    disturbance : Disturbance, optional
+        Noise of the motion.
+    heading_offset : HeadingOffset, optional
+        Headings that are measured off by a constant.
+    tracking_jitter : TrackingJitter, optional
+        Noise of measured poses.
+    tracking_dropout : TrackingDropout, optional
+        Robots out of the tracker's sight.
     """
 
     name: str = "ideal"
@@ -126,14 +150,26 @@ class Profile:
         return tuple(name for name in EFFECTS if getattr(self, name) is not None)
 
     def without(self, *names: str) -> Profile:
-        """Return the same with these effects off."""
+        """Return the same with these effects off.
+
+        Parameters
+        ----------
+        *names : str
+            Names of effects, as the attributes are called.
+        """
         _require_effects(names)
         kept = [name for name in self.effects if name not in names]
         called = self.name + "".join(f" without {name}" for name in names)
         return replace(self.only(*kept), name=called)
 
     def only(self, *names: str) -> Profile:
-        """Return the same with all other effects off."""
+        """Return the same with all other effects off.
+
+        Parameters
+        ----------
+        *names : str
+            Names of effects, as the attributes are called.
+        """
         _require_effects(names)
         off = {name: None for name in EFFECTS if name not in names}
         return replace(self, name=f"{self.name}, only {', '.join(names)}", **off)  # type: ignore[arg-type]
@@ -164,6 +200,11 @@ class Imperfections:
     The same profile and generator give the same run, and an effect's draws do not depend on
     which other effects are on.
 
+    Parameters
+    ----------
+    profile : Profile
+        Which effects there are.
+
     Attributes
     ----------
     commanded : bool
@@ -181,7 +222,17 @@ class Imperfections:
         self._time_step = 0.0
 
     def reset(self, poses: Array, time_step: float, rng: np.random.Generator) -> None:
-        """Begin a run of robots at `poses` (3, N), drawing all randomness from `rng`."""
+        """Begin a run.
+
+        Parameters
+        ----------
+        poses : (3, N) array
+            Where the robots stand, m and rad.
+        time_step : float
+            Duration of a step, s.
+        rng : Generator
+            Where all randomness of the run is drawn from.
+        """
         robots = poses.shape[1]
         root = int(rng.integers(2**63))
         self._time_step = time_step
@@ -194,7 +245,22 @@ class Imperfections:
             stages.append(effect.begin(robots, time_step, stream))
 
     def actuate(self, velocities: Array, poses: Array, time: float) -> Array:
-        """Velocities (2, N) really driven in this step, of those commanded, m/s and rad/s."""
+        """Return the velocities that the robots really drive in this step.
+
+        Parameters
+        ----------
+        velocities : (2, N) array
+            Commanded velocities, m/s and rad/s.
+        poses : (3, N) array
+            True poses, m and rad; no effect asks for them.
+        time : float
+            Seconds since the start of the run; no effect asks for it.
+
+        Returns
+        -------
+        (2, N) array
+            Forward speeds, m/s, and turn rates, rad/s.
+        """
         if self.commanded:
             self._age[:] = 0.0
         else:
@@ -207,7 +273,18 @@ class Imperfections:
         return driven
 
     def observe(self, poses: Array) -> Array:
-        """Poses (3, N) as the tracking system reports true `poses` (3, N), which stay unchanged."""
+        """Return the poses as the tracking system reports them.
+
+        Parameters
+        ----------
+        poses : (3, N) array
+            True poses, m and rad; stay unchanged.
+
+        Returns
+        -------
+        (3, N) array
+            Measured poses, m and rad.
+        """
         seen: Array = poses.copy()
         for stage in self._tracking:
             seen = stage(seen, self._speeds)

@@ -21,10 +21,28 @@ class RunRecorder(Protocol):
     """A recorder that is told how the run ended; the pose log is one."""
 
     def append(self, time: float, poses: Array, commands: Array, /) -> None:
-        """Take note of one step."""
+        """Take note of one step.
+
+        Parameters
+        ----------
+        time : float
+            Time since the start of the run, s.
+        poses : (3, N) array
+            Poses as the script read them, m and rad.
+        commands : (2, N) array
+            Commands as given, m/s and rad/s.
+        """
 
     def close(self, how: str, reason: str, /) -> None:
-        """Take note of the end."""
+        """Take note of the end.
+
+        Parameters
+        ----------
+        how : str
+            How the run ended, in the words of `Outcome.ended`.
+        reason : str
+            Why, in words; may be empty.
+        """
 
 
 #: Makes the recorder of one instance: where (without ending), for how many robots, and what is
@@ -40,14 +58,37 @@ class Record(Protocol):
     """Where what is known of an instance is kept up to date, step by step."""
 
     def update(self, arena: Arena, /) -> None:
-        """Take note of the step that `arena` is about to do."""
+        """Take note of the step that the arena is about to do.
+
+        Parameters
+        ----------
+        arena : Arena
+            Of the instance that is recorded.
+        """
 
     def close(self, arena: Arena, /) -> None:
-        """Take note of `arena` as it is at its end."""
+        """Take note of the arena as it is at its end.
+
+        Parameters
+        ----------
+        arena : Arena
+            Of the instance that is recorded.
+        """
 
 
 class Watch:
     """Recorder of one instance.
+
+    Parameters
+    ----------
+    recording : Recording
+        Whose listeners are told of each step.
+    log : RunRecorder or None
+        Where steps are written.
+    path : Path or None
+        The log's path, without ending.
+    record : Record or None
+        What is kept for another process.
 
     Attributes
     ----------
@@ -69,10 +110,15 @@ class Watch:
         self.arena: Arena | None = None
 
     def attach(self, instance: Any) -> None:
-        """Watch a new `instance`.
+        """Watch a new instance.
 
         Where a record is kept, the instance is not: when nobody has it any more, its run is over,
         and the record says so, since it may have to stand for a process that is killed later.
+
+        Parameters
+        ----------
+        instance : Robotarium
+            The new instance, of either generation.
         """
         self.arena = instance._arena
         self._tell_robot()
@@ -82,7 +128,22 @@ class Watch:
             weakref.finalize(instance, self.close, "finished", "").atexit = False
 
     def append(self, time: float, poses: Array, commands: Array) -> None:
-        """Pass one step on."""
+        """Pass one step on.
+
+        Parameters
+        ----------
+        time : float
+            Time since the start of the run, s.
+        poses : (3, N) array
+            Poses as the script read them, m and rad.
+        commands : (2, N) array
+            Commands as given, m/s and rad/s.
+
+        Raises
+        ------
+        SystemExit
+            In a thread that outlived the run: it ends the thread.
+        """
         arena = self.arena
         if self._recording.over and threading.current_thread() is not threading.main_thread():
             raise SystemExit  # it outlived the run
@@ -98,7 +159,15 @@ class Watch:
             listen(time, arena)
 
     def close(self, how: str, reason: str) -> None:
-        """Close log and record; a second call changes nothing."""
+        """Close log and record; a second call changes nothing.
+
+        Parameters
+        ----------
+        how : str
+            How the run ended, in the words of `Outcome.ended`.
+        reason : str
+            Why, in words; may be empty.
+        """
         log, self._log = self._log, None
         record, self._record = self._record, None
         if record is not None and self.arena is not None:
@@ -124,7 +193,13 @@ class Watch:
 
 
 def files_of(log: Path) -> list[Path]:
-    """Return the files of a log whose path has no ending."""
+    """Return the files of a log whose path has no ending.
+
+    Parameters
+    ----------
+    log : Path
+        The log's path, without ending.
+    """
     return sorted(path for path in log.parent.glob(f"{log.name}.*") if path.stem == log.name)
 
 
@@ -144,16 +219,18 @@ class Recording:
         Takes pictures of the first instance.
     name
         What a log of this process is called after.
+    open_record
+        Opens what is kept of an instance for another process, from its number in this process,
+        its number of robots, the path of its log, and whether it is a copy of the parent's.
     listeners
         Are told of each step, its time and its arena, after it was recorded; they may end the run
         by an exception, which comes out of the script's ``step()``.
     makers
         Are told of the arena of each new instance.
-    open_record
-        Opens what is kept of an instance for another process, from its number in this process,
-        its number of robots, the path of its log, and whether it is a copy of the parent's.
     over
         Whether the run has ended: threads that outlived it end with their next step.
+    watches : list of Watch
+        Those made so far, one an instance.
     """
 
     out: Path | None
@@ -168,7 +245,15 @@ class Recording:
     watches: list[Watch] = field(default_factory=list, init=False)
 
     def watch(self, robots: int, copied: bool = False) -> Watch:
-        """Make the watch of one more instance of `robots` robots: the session's recorder."""
+        """Make the watch of one more instance: the session's recorder.
+
+        Parameters
+        ----------
+        robots : int
+            Number of its robots.
+        copied : bool
+            Whether it is a copy of the parent process's.
+        """
         number, name = len(self.watches) + 1, self.name()
         log = path = None
         if self.open_log is not None and self.out is not None:
@@ -184,7 +269,13 @@ class Recording:
         return watch
 
     def created(self, instance: Any) -> None:
-        """Be told of a new instance by the session."""
+        """Be told of a new instance by the session.
+
+        Parameters
+        ----------
+        instance : Robotarium
+            The new instance, of either generation.
+        """
         watch = instance._arena.recorder
         if isinstance(watch, Watch):
             watch.attach(instance)
@@ -218,10 +309,15 @@ class Recording:
         return [file for watch in self.watches for file in watch.files]
 
     def leave_to(self, child: "Recording") -> None:
-        """In a forked child: let `child` record what the instances of this process do from now on.
+        """In a forked child, leave the recording of this process's instances to the child's own.
 
         They are copies of the parent's, and so are their logs, into which the parent goes on
         writing.
+
+        Parameters
+        ----------
+        child : Recording
+            That of the child.
         """
         for watch in self.watches:
             watch.abandon()

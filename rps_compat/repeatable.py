@@ -23,13 +23,27 @@ _numpy_seed = np.random.seed
 
 
 class Repeatable(random.Random):
-    """``random.Random``, with a seed from the run's stream where it is given none."""
+    """``random.Random``, with a seed from the run's stream where it is given none.
+
+    Parameters
+    ----------
+    x : object
+        The seed; None, which Python takes from the system, is drawn from the run's stream.
+    """
 
     def __init__(self, x: Any = None) -> None:
         super().__init__(_or_drawn(x, 64))
 
     def seed(self, a: Any = None, version: int = 2) -> None:
-        """Seed it."""
+        """Seed it.
+
+        Parameters
+        ----------
+        a : object
+            The seed; None is drawn from the run's stream.
+        version : int
+            As in `random.Random.seed`.
+        """
         super().seed(_or_drawn(a, 64), version)
 
 
@@ -46,7 +60,13 @@ def _seed_numpy(seed: Any = None) -> None:
 
 
 def seed_global_generators(seed: int) -> None:
-    """Seed Python's and numpy's global generators, which scripts draw from."""
+    """Seed Python's and numpy's global generators, which scripts draw from.
+
+    Parameters
+    ----------
+    seed : int
+        The seed, not negative.
+    """
     random.seed(seed)
     np.random.seed(seed % 2**32)  # noqa: NPY002
 

@@ -128,7 +128,13 @@ class RunReport:
         return {**asdict(self), "clean": self.clean}
 
     def text(self, generation: Generation) -> str:
-        """Return what `generation` prints at the end of a script, line breaks included."""
+        """Return what the testbed prints at the end of a script, line breaks included.
+
+        Parameters
+        ----------
+        generation : int
+            Of the API: 1 or 2.
+        """
         return self._text1() if generation == 1 else self._text2()
 
     def _share(self, steps: int) -> str:
@@ -186,7 +192,13 @@ class RunReport:
 
 
 def report_on(arena: Arena) -> RunReport:
-    """Report on the run of `arena` so far."""
+    """Report on the run of an arena so far.
+
+    Parameters
+    ----------
+    arena : Arena
+        Where it runs.
+    """
     return report_of(arena.number_of_robots, arena.steps, arena.robot.time_step, arena.violations)
 
 

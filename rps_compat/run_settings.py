@@ -89,6 +89,11 @@ class RunSettings:
 def snapshot_times(text: str) -> tuple[float, ...]:
     """Read the times of ``--snapshot``: seconds with commas between, ``end`` for the end.
 
+    Parameters
+    ----------
+    text : str
+        What the user wrote.
+
     Raises
     ------
     ScriptError

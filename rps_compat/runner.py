@@ -24,12 +24,21 @@ from rps_compat.surroundings import has_display
 def run_script(
     script: Path, arguments: Sequence[str] = (), settings: RunSettings | None = None
 ) -> Outcome:
-    """Run `script` with `arguments` and report how it went.
+    """Run a script with its arguments and report how it went.
 
     An exception of the script does not pass: its traceback is printed to stderr, without our own
     frames, and the outcome says "failed". Threads of the script that are no daemons are waited for,
     as Python does; a run that is timed out, interrupted or hung may leave threads behind, which end
     with their next step. Nothing within a process can end them sooner.
+
+    Parameters
+    ----------
+    script : Path
+        The script's file.
+    arguments : sequence of str
+        What it finds in ``sys.argv[1:]``.
+    settings : RunSettings, optional
+        Everything else about the run.
 
     Raises
     ------

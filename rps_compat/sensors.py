@@ -33,21 +33,23 @@ class SensorError(RobotariumError, IndexError, ValueError):
 
 
 def ray_origins(poses: Array, places: Array, ahead: float) -> tuple[Array, Array, Array, Array]:
-    """Where the rays of all sensors begin, and their directions.
+    """Return where the rays of all sensors begin, and their directions.
 
     Parameters
     ----------
-    poses
-        Poses of the robots, (3, N).
-    places
-        Sensors on the body, (3, S): forward and left of its centre in metres, direction in radians.
-    ahead
-        How far the body's centre lies ahead of the pose, metres.
+    poses : (3, N) array
+        Poses, m and rad.
+    places : (3, S) array
+        Sensors on the body: forward and left of its centre, m, and direction, rad.
+    ahead : float
+        How far the body's centre lies ahead of the pose, m.
 
     Returns
     -------
-    tuple of ndarray (S, N)
-        x and y of the origins in metres, x and y of the unit directions.
+    x, y : (S, N) array
+        Origins, m.
+    along_x, along_y : (S, N) array
+        Unit directions.
     """
     x, y, theta = poses
     forward, left, turn = (places[row][:, None] for row in range(3))
@@ -71,18 +73,27 @@ def cast_rays(
     robot_diameter: float | None = None,
     ahead: float = 0.0,
 ) -> Array:
-    """Exact distances (S, N) that the rays of N robots travel; −1 where nothing is within `reach`.
+    """Return the exact distances that the rays travel; −1 where nothing is within reach.
 
     Parameters
     ----------
-    poses, places, ahead
-        As for :func:`ray_origins`.
-    obstacles
-        Segments (M, 2, 2): both ends' x and y in metres. None or empty: no segments.
-    reach
-        Range of the sensors, metres.
-    robot_diameter
-        Diameter of the other robots' bodies in metres; None leaves them out.
+    poses : (3, N) array
+        Poses, m and rad.
+    obstacles : (M, 2, 2) array or None
+        Segments, both ends' x and y, m. None or empty: no segments.
+    places : (3, S) array
+        Sensors on the body: forward and left of its centre, m, and direction, rad.
+    reach : float
+        Range of the sensors, m.
+    robot_diameter : float, optional
+        Diameter of the other robots' bodies, m; None leaves them out.
+    ahead : float
+        How far the body's centre lies ahead of the pose, m.
+
+    Returns
+    -------
+    (S, N) array
+        Distances, m.
 
     Raises
     ------
@@ -133,18 +144,23 @@ def _segments(obstacles: Array | None) -> Array:
 def disturb_distances(
     distances: Array, reach: float, error: float, dropout: float, outlier: float
 ) -> Array:
-    """Disturb exact `distances` (S, N) into readings: a hit may drop out, stray, or err a little.
+    """Disturb exact distances into readings: a hit may drop out, stray, or err a little.
 
     Parameters
     ----------
-    distances
-        Exact distances in metres, −1 where nothing was hit, (S, N).
-    reach
-        Outliers are uniform within [0, `reach`] metres.
-    error
+    distances : (S, N) array
+        Exact distances, m, −1 where nothing was hit.
+    reach : float
+        Outliers are uniform within [0, `reach`], m.
+    error : float
         Standard deviation of the proportional error.
-    dropout, outlier
+    dropout, outlier : float
         Probabilities of a hit to read −1, and else to be an outlier.
+
+    Returns
+    -------
+    (S, N) array
+        Readings, m, −1 where there is none.
     """
     readings: Array = distances.copy()
     for robot, sensor in np.argwhere(distances.T >= 0):
@@ -159,30 +175,89 @@ def disturb_distances(
 
 
 def ray_ends(poses: Array, distances: Array, places: Array, ahead: float) -> Array:
-    """Points (2, S, N) in metres that `distances` (S, N) reach; NaN where there is no reading."""
+    """Return the points that rays reach; NaN where there is no reading.
+
+    Parameters
+    ----------
+    poses : (3, N) array
+        Poses, m and rad.
+    distances : (S, N) array
+        Readings, m, −1 where there is none.
+    places : (3, S) array
+        Sensors on the body: forward and left of its centre, m, and direction, rad.
+    ahead : float
+        How far the body's centre lies ahead of the pose, m.
+
+    Returns
+    -------
+    (2, S, N) array
+        Points, m.
+    """
     from_x, from_y, along_x, along_y = ray_origins(poses, places, ahead)
     length = np.where(distances >= 0, distances, np.nan)
     return np.stack([from_x + length * along_x, from_y + length * along_y])
 
 
 def encoder_ticks(turned: Array, noise: Array, spread: float) -> Array:
-    """Whole ticks counted in one step of wheels that `turned` so many ticks, (2, N).
+    """Return the whole ticks counted in one step of turning wheels.
 
     `noise` is standard normal, (2, N); `spread` its standard deviation for up to one tick, growing
     with the square root of their number.
+
+    Parameters
+    ----------
+    turned : (2, N) array
+        Ticks that the wheels really turned.
+    noise : (2, N) array
+        Standard normal numbers.
+    spread : float
+        Standard deviation for up to one tick, growing with the square root of their number.
+
+    Returns
+    -------
+    (2, N) array
+        Counted ticks.
     """
     ticks: Array = np.round(turned + spread * np.sqrt(np.maximum(1.0, np.abs(turned))) * noise)
     return ticks
 
 
 def accelerations(turn_rates: Array, place: Array) -> Array:
-    """Accelerations (3, N) in m/s² at `place` (3,) metres off the axle of robots that turn."""
+    """Return what an accelerometer off the axle of a turning robot reads.
+
+    Parameters
+    ----------
+    turn_rates : (N,) array
+        Turn rates, rad/s.
+    place : (3,) array
+        Where it sits, from the middle of the axle, m.
+
+    Returns
+    -------
+    (3, N) array
+        Accelerations in the robot's frame, m/s².
+    """
     squared = turn_rates * turn_rates
     return np.stack([-squared * place[0], -squared * place[1], np.full_like(squared, -GRAVITY)])
 
 
 def magnetic_fields(headings: Array, horizontal: float, vertical: float) -> Array:
-    """Magnetic field (3, N) in the frame of robots with `headings` (N,), in units of its parts."""
+    """Return the magnetic field in the frame of each robot.
+
+    Parameters
+    ----------
+    headings : (N,) array
+        Headings, rad.
+    horizontal : float
+        Horizontal part of the field, in any unit.
+    vertical : float
+        Vertical part, in the same unit.
+
+    Returns
+    -------
+    (3, N) array
+        The field, in that unit.
+    """
     return np.stack(
         [
             horizontal * np.cos(headings),

@@ -29,7 +29,13 @@ class StepListener(Protocol):
     """What is told of the end of each step of each instance."""
 
     def after_step(self, time_step: float, /) -> None:
-        """Take note that a step of `time_step` seconds is done."""
+        """Take note that a step is done.
+
+        Parameters
+        ----------
+        time_step : float
+            Its duration, s.
+        """
 
 
 class SessionError(RobotariumError, ValueError):
@@ -55,14 +61,21 @@ class Session:
         Makes what records one instance, from its number of robots; None records nothing.
     created
         Is told of each new instance.
-    process
-        Numbers that tell the random streams of a child process of the script from others'; none in
-        its own process.
     wait
         Whether ``sim_in_real_time=True`` really waits: True, False, or None for only where
         somebody can see it, in a window.
+    process
+        Numbers that tell the random streams of a child process of the script from others'; none in
+        its own process.
     pace
         Is told of the end of each step, in place of waiting; None waits as `wait` says.
+    instances : int
+        How many have asked for their random stream so far.
+
+    Raises
+    ------
+    SessionError
+        If there is no such `initial`.
     """
 
     initial: Initial = "published"
@@ -94,13 +107,29 @@ class Session:
         return np.random.default_rng([self.seed, stream, *self.process])
 
     def mode(self, published: Literal["exact", "drive"]) -> Literal["exact", "arrive", "drive"]:
-        """How an instance comes to its initial conditions, if the API would do as `published`."""
+        """Return how an instance comes to its initial conditions.
+
+        Parameters
+        ----------
+        published : {"exact", "drive"}
+            What the API would do.
+        """
         return published if self.initial == "published" else self.initial
 
     def arena(
         self, poses: Array, robot: RobotModel, rng: Callable[[], np.random.Generator]
     ) -> Arena:
-        """Make the arena of one instance with robots at `poses` (3, N)."""
+        """Make the arena of one instance.
+
+        Parameters
+        ----------
+        poses : (3, N) array
+            Where the robots stand, m and rad.
+        robot : RobotModel
+            Dimensions and limits of the robots, and the arena.
+        rng : callable
+            Makes the random stream of its imperfections.
+        """
         return Arena(
             poses,
             robot,
@@ -124,7 +153,13 @@ _current = Session()
 
 
 def use(session: Session) -> None:
-    """Let `session` build the instances from now on; what is active in a block stays."""
+    """Let a session build the instances from now on; what is active in a block stays.
+
+    Parameters
+    ----------
+    session : Session
+        What later instances have in common.
+    """
     global _current
     _current = session
 

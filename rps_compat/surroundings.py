@@ -102,9 +102,16 @@ def stdout_on_stderr() -> Iterator[TextIO]:
 
 @contextlib.contextmanager
 def answering(answers: Sequence[str], told: Callable[[], None] | None = None) -> Iterator[None]:
-    """Answer ``input()`` from `answers`, then with empty lines; show what was asked.
+    """Answer ``input()`` from a list, then with empty lines; show what was asked.
 
     `told`, if given, is told of each question that has no answer.
+
+    Parameters
+    ----------
+    answers : sequence of str
+        The answers, in order.
+    told : callable, optional
+        Is called at each question that has no answer.
     """
     left, asked = iter(answers), builtins.input
 

@@ -15,6 +15,23 @@ class RobotModel:
 
     Lengths in metres, speeds in metres or radians per second; the wheel limit in radians per
     second of the wheel. `boundaries` is (x_min, x_max, y_min, y_max).
+
+    Attributes
+    ----------
+    wheel_radius : float
+        Radius of the wheels, m.
+    base_length : float
+        From wheel to wheel, m.
+    max_wheel_velocity : float
+        Fastest that a wheel turns, rad/s.
+    collision_diameter : float
+        Two robots collide where their collision points are nearer than this, m.
+    collision_offset : float
+        How far ahead of the pose the collision point lies, m.
+    time_step : float
+        Duration of a step, s.
+    boundaries : (x_min, x_max, y_min, y_max)
+        The arena, m.
     """
 
     wheel_radius: float

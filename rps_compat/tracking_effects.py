@@ -25,7 +25,23 @@ class TrackingEffect(Protocol):
     """An imperfection between pose and measurement."""
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> TrackingStage:
-        """Draw this run's numbers and return what one measurement does."""
+        """Draw this run's numbers and return what one measurement does.
+
+        Parameters
+        ----------
+        robots : int
+            Number of robots, N.
+        time_step : float
+            Duration of a step, s.
+        rng : Generator
+            Where this effect draws from, now and in every step.
+
+        Returns
+        -------
+        callable
+            From poses (3, N), m and rad, and forward speeds (N,), m/s, to the poses after this
+            effect.
+        """
 
 
 @dataclass(frozen=True)
@@ -41,7 +57,17 @@ class HeadingOffset:
     radians: Draw
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> TrackingStage:
-        """Draw each robot's offset."""
+        """Draw each robot's offset.
+
+        Parameters
+        ----------
+        robots : int
+            Number of robots, N.
+        time_step : float
+            Duration of a step, s.
+        rng : Generator
+            Where this effect draws from, now and in every step.
+        """
         offset = self.radians.draw(robots, rng)
 
         def skew(poses: Array, speeds: Array) -> Array:
@@ -76,7 +102,17 @@ class TrackingJitter:
             require(getattr(self, name) >= 0, f"tracking_jitter.{name}", getattr(self, name), "≥ 0")
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> TrackingStage:
-        """Nothing to draw before the first measurement."""
+        """Return what one measurement does; nothing is drawn before the first.
+
+        Parameters
+        ----------
+        robots : int
+            Number of robots, N.
+        time_step : float
+            Duration of a step, s.
+        rng : Generator
+            Where this effect draws from, now and in every step.
+        """
 
         def jitter(poses: Array, speeds: Array) -> Array:
             along, lateral, heading = rng.standard_normal((3, robots))
@@ -113,7 +149,17 @@ class TrackingDropout:
         require(self.seconds > 0, f"{name}.seconds", self.seconds, "more than 0 s")
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> TrackingStage:
-        """Start with every robot in sight."""
+        """Start with every robot in sight.
+
+        Parameters
+        ----------
+        robots : int
+            Number of robots, N.
+        time_step : float
+            Duration of a step, s.
+        rng : Generator
+            Where this effect draws from, now and in every step.
+        """
         last: Array | None = None
         until = np.zeros(robots)
         time = 0.0

@@ -38,7 +38,21 @@ class NoiseError(RobotariumError, TypeError, ValueError):
 
 
 def numbers(name: str, values: Any, *shape: int) -> Array:
-    """Return `values` as a float array of `shape`, whatever way they are nested.
+    """Return values as a float array, whatever way they are nested.
+
+    Parameters
+    ----------
+    name : str
+        What the error calls them.
+    values : (...) array-like
+        What was given.
+    *shape : int
+        The shape that they get.
+
+    Returns
+    -------
+    (...) array
+        The values, of that shape.
 
     Raises
     ------
@@ -61,31 +75,31 @@ class UnicycleFilter:
 
     Parameters
     ----------
-    initial_state
-        Pose (3,), metres and radians.
-    initial_covariance
-        Of that pose, (3, 3).
-    b
+    initial_state : (3,) array
+        Pose, m and rad.
+    initial_covariance : (3, 3) array
+        Of that pose, m² and rad².
+    b : float
         Length of the axle, from wheel to wheel, m.
-    r
+    r : float
         Radius of the wheels, m.
-    M
-        Covariance (2, 2) of the speeds that the encoders tell, right wheel first, rad²/s².
-    Q
-        Covariance (3, 3) that the model gains in a second.
+    M : (2, 2) array
+        Covariance of the speeds that the encoders tell, right wheel first, rad²/s².
+    Q : (3, 3) array
+        Covariance that the model gains in a second.
+
+    Attributes
+    ----------
+    state : (3,) array
+        Estimated pose; the heading within [−π, π] after every step.
+    base_length, wheel_radius, wheel_encoder_noise_covariance_matrix, Q
+        As given.
 
     Raises
     ------
     NumberError, ShapeError
         A length that is not positive; an array of another size, or with numbers that are not
         finite.
-
-    Attributes
-    ----------
-    state : ndarray (3,)
-        Estimated pose; the heading within [−π, π] after every step.
-    base_length, wheel_radius, wheel_encoder_noise_covariance_matrix, Q
-        As given.
     """
 
     def __init__(
@@ -122,29 +136,90 @@ class UnicycleFilter:
         self._joint[3, 3] = self._joint[2, 2]
 
     def form_fx(self, v: float, w: float, dt: float) -> Array:
-        """Return what `dt` (s) at `v` (m/s) and `w` (rad/s) adds to the state, (3, 1)."""
+        """Return what a step adds to the state.
+
+        Parameters
+        ----------
+        v : float
+            Forward speed, m/s.
+        w : float
+            Turn rate, rad/s.
+        dt : float
+            Duration of the step, s.
+
+        Returns
+        -------
+        (3, 1) array
+            Change of the pose, m and rad.
+        """
         heading = float(self.state[2])
         moved: Array = dt * np.array([[v * np.cos(heading)], [v * np.sin(heading)], [w]])
         return moved
 
     def form_F(self, v: float, dt: float) -> Array:  # noqa: N802 - the published name
-        """Return the derivative (3, 3) of a step by the state."""
+        """Return the derivative of a step by the state.
+
+        Parameters
+        ----------
+        v : float
+            Forward speed, m/s.
+        dt : float
+            Duration of the step, s.
+
+        Returns
+        -------
+        (3, 3) array
+            The Jacobian F.
+        """
         heading = self.state[2]
         derivative: Array = np.eye(3)
         derivative[:2, 2] = v * dt * np.array([-np.sin(heading), np.cos(heading)])
         return derivative
 
     def form_G(self, dt: float) -> Array:  # noqa: N802 - the published name
-        """Return the derivative (3, 2) of a step by (v, ω)."""
+        """Return the derivative of a step by (v, ω).
+
+        Parameters
+        ----------
+        dt : float
+            Duration of the step, s.
+
+        Returns
+        -------
+        (3, 2) array
+            The Jacobian G.
+        """
         heading = self.state[2]
         return np.array([[dt * np.cos(heading), 0.0], [dt * np.sin(heading), 0.0], [0.0, dt]])
 
     def form_Q(self, dt: float) -> Array:  # noqa: N802 - the published name
-        """Return the covariance (3, 3) that the model gains in `dt` (s)."""
+        """Return the covariance that the model gains in a step.
+
+        Parameters
+        ----------
+        dt : float
+            Duration of the step, s.
+
+        Returns
+        -------
+        (3, 3) array
+            Covariance, m² and rad².
+        """
         return np.asarray(self.Q * dt)
 
     def form_wheel_encoder_process_noise_matrix(self, dt: float) -> Array:
-        """Return the covariance (3, 3) that the encoders' errors bring in a step."""
+        """Return the covariance that the encoders' errors bring in a step.
+
+        Parameters
+        ----------
+        dt : float
+            Duration of the step, s.
+
+        Returns
+        -------
+        (3, 3) array
+            Covariance, m² and rad².
+        """
         radius, axle = self.wheel_radius, self.base_length
         wheels = np.array([[radius / 2, radius / 2], [radius / axle, -radius / axle]])
         through = self.form_G(dt) @ wheels
@@ -196,7 +271,17 @@ class UnicycleFilter:
         self.previous_theta += float(correction[3])
 
     def correct_position(self, position: Any, name: str, noise: Any) -> None:
-        """Correct by a measured position (2,) in metres, with covariance (2, 2) in m²."""
+        """Correct by a measured position.
+
+        Parameters
+        ----------
+        position : (2,) array-like
+            The position, m.
+        name : str
+            What errors call the covariance.
+        noise : (2, 2) array-like
+            Its covariance, m².
+        """
         beyond = numbers("gps_measurement", position, 2) - self.state[:2]
         self.correct(beyond, np.eye(2, 4), name, noise)
 

@@ -85,7 +85,17 @@ class Violations:
         return self.close_pairs == 0 and self.outside_steps == 0
 
     def actuator(self, step: int, wheels: NDArray[np.float64], limit: float) -> None:
-        """Count a step whose `wheels` (2, N), absolute rad/s, go beyond `limit`."""
+        """Count a step in which wheels go beyond their limit.
+
+        Parameters
+        ----------
+        step : int
+            Number of the step.
+        wheels : (2, N) array
+            Wheel speeds without their sign, rad/s.
+        limit : float
+            Their limit, rad/s.
+        """
         self.saturated_steps += 1
         fastest = wheels.max(axis=0)
         robots = np.flatnonzero(ties.beyond(fastest, limit))
@@ -97,7 +107,15 @@ class Violations:
             self._note("actuator", (int(robot),), step, float(fastest[robot]))
 
     def outside(self, step: int, beyond: NDArray[np.float64]) -> None:
-        """Count a step that begins with robots `beyond` (N,) metres outside; inside is negative."""
+        """Count a step that begins with robots outside the arena.
+
+        Parameters
+        ----------
+        step : int
+            Number of the step.
+        beyond : (N,) array
+            How far each is outside, m; inside is negative.
+        """
         self.outside_steps += 1
         for robot in map(int, np.flatnonzero(ties.beyond(beyond, 0.0))):
             self.outside_by_robot[robot] = self.outside_by_robot.get(robot, 0) + 1
@@ -110,7 +128,19 @@ class Violations:
         second: NDArray[np.intp],
         distances: NDArray[np.float64],
     ) -> None:
-        """Count a step that begins with pairs (`first`, `second`) too close by `distances` (m)."""
+        """Count a step that begins with pairs too close.
+
+        Parameters
+        ----------
+        step : int
+            Number of the step.
+        first : (k,) integer array
+            One robot of each pair.
+        second : (k,) integer array
+            The other robot of each pair.
+        distances : (k,) array
+            How far their collision points are apart, m.
+        """
         self.close_steps += 1
         self.close_pairs += len(first)
         for i, j, distance in zip(first.tolist(), second.tolist(), distances.tolist(), strict=True):
@@ -119,7 +149,13 @@ class Violations:
             self._note("collision", (i, j), step, distance)
 
     def lasting(self, since: int) -> list[Event]:
-        """Return the events that were seen at step `since` or later, of each kind and robots."""
+        """Return the events that were seen at a step or later, of each kind and robots.
+
+        Parameters
+        ----------
+        since : int
+            Number of that step.
+        """
         if since == 0:
             return self.events
         return [event for event in self._open.values() if event.last >= since]

@@ -17,7 +17,16 @@ _Arguments = ParamSpec("_Arguments")
 
 
 def refuse(instance: Any, name: str, generation: int) -> NoReturn:
-    """Raise for a missing attribute `name`, with the right name where the other generation has one.
+    """Answer a missing attribute, with the right name where the other generation has one.
+
+    Parameters
+    ----------
+    instance : object
+        What was asked for it.
+    name : str
+        Name of the attribute.
+    generation : int
+        Of the API whose object it is: 1 or 2.
 
     Raises
     ------
@@ -43,7 +52,12 @@ def refuse(instance: Any, name: str, generation: int) -> NoReturn:
 
 
 def refuse_new_arguments(constructor: Callable[_Arguments, None]) -> Callable[_Arguments, None]:
-    """Let the `constructor` of generation 1 answer arguments of generation 2 in words.
+    """Let a constructor of generation 1 answer arguments of generation 2 in words.
+
+    Parameters
+    ----------
+    constructor : callable
+        An ``__init__`` that takes the published arguments.
 
     Raises
     ------

@@ -98,7 +98,18 @@ def _within_hard_limits(velocity: FloatArray, rows: Rows) -> FloatArray | None:
 
 
 def furthest_from_holding(program: Program) -> InfeasibleError:
-    """Return the error that names the rows that the command breaks most."""
+    """Return the error that names the rows that the command breaks most.
+
+    Parameters
+    ----------
+    program : Program
+        The program that has no solution.
+
+    Returns
+    -------
+    InfeasibleError
+        To be raised; it names three rows at most.
+    """
     rows, excess = program.rows, program.excess
     furthest_first = sorted(range(len(rows)), key=lambda k: -rank(float(excess[k])))[:3]
     furthest = [k for k in furthest_first if excess[k] > TOLERANCE]

@@ -45,12 +45,12 @@ class ProjectionInfo:
         Whether this was a certificate's first call, or the first since `reset`, and found the team
         unsafe already (clearance below zero). The guarantee h ≥ 0 starts from h ≥ 0: until the
         team has become safe, it says nothing.
-    binding : integer array
+    binding : (k,) integer array
         Indices of the rows that bind.
-    broken : integer array
+    broken : (k,) integer array
         Indices of the rows that do not hold, the furthest from holding first; empty unless the
         status is ``"relaxed"`` or ``"failed"``.
-    stuck : integer array
+    stuck : (k,) integer array
         Robots that have been told to move but held back for some time, where a certificate watches
         for it (its ``deadlock`` parameters).
     rows : Rows, optional

@@ -66,7 +66,7 @@ class Projector:
     def project(
         self, desired: FloatArray, rows: Rows, top_speed: float = math.inf
     ) -> tuple[FloatArray, ProjectionInfo]:
-        """Return the nearest velocities (2, N) in m/s that satisfy all rows, and what was done.
+        """Return the nearest velocities that satisfy all rows, and what was done.
 
         Parameters
         ----------
@@ -78,12 +78,21 @@ class Projector:
             No robot can be faster, m/s: when rows must be relaxed, none is asked for more, and
             commands beyond 100,000 times as much are first shortened to that.
 
+        Returns
+        -------
+        velocity : (2, N) array
+            The velocities, m/s.
+        info : ProjectionInfo
+            What was done.
+
         Raises
         ------
         InfeasibleError
             If no velocity satisfies all rows and the policy is ``"raise"``.
         NotFiniteError
             If the command or the rows hold NaN or infinity and the policy is ``"raise"``.
+        ShapeError
+            If the command is for another number of robots than the rows.
         """
         if desired.shape != (2, rows.size // 2):
             raise ShapeError(
@@ -130,6 +139,18 @@ class Projector:
     def refuse(self, desired: FloatArray) -> tuple[FloatArray, ProjectionInfo]:
         """Stop everybody: a command or pose that is not a number says nothing about safety.
 
+        Parameters
+        ----------
+        desired : (2, N) array
+            The command, of which only the shape is used.
+
+        Returns
+        -------
+        velocity : (2, N) array
+            Zeros.
+        info : ProjectionInfo
+            Status ``"failed"``; its numbers are NaN.
+
         Raises
         ------
         NotFiniteError
@@ -144,6 +165,12 @@ class Projector:
 
 
 def largest_speed(velocity: FloatArray) -> float:
-    """Return the largest speed of velocities (2, N), in their unit."""
+    """Return the largest speed among velocities.
+
+    Parameters
+    ----------
+    velocity : (2, N) array
+        Velocities; the speed has their unit.
+    """
     speed = np.hypot(velocity[0], velocity[1])  # which large numbers do not overflow
     return float(speed[speed.argmax()])

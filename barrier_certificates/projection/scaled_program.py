@@ -59,7 +59,17 @@ class Program(NamedTuple):
 
     @classmethod
     def of(cls, target: FloatArray, rows: Rows, top_speed: float) -> Program:
-        """Return the program for a target and rows, in m/s."""
+        """Return the program for a target and rows, in m/s.
+
+        Parameters
+        ----------
+        target : (size,) array
+            The command, m/s.
+        rows : Rows
+            What must hold.
+        top_speed : float
+            No robot can be faster, m/s.
+        """
         excess = rows.excess(target)
         # argmax costs a tenth of max on small arrays.
         worst = float(excess[excess.argmax()]) if excess.shape[0] else 0.0

@@ -53,6 +53,18 @@ class WorkingSet:
         """Return the point nearest to the target that satisfies all rows, None if there is none.
 
         `info` is told who solved, how often, which rows bind, and how far they are broken.
+
+        Parameters
+        ----------
+        program : Program
+            Target and rows.
+        info : ProjectionInfo
+            Is told who solved, how often, which rows bind, and how far they are broken.
+
+        Returns
+        -------
+        (size,) array or None
+            The point, in the program's unit of speed.
         """
         target, rows, excess = program.target, program.rows, program.excess
         warm = self._recall(rows)
@@ -90,6 +102,24 @@ class WorkingSet:
 
         A solver that finds no point, or one that breaks the rows it was given, may be mistaken or
         out of iterations: another one has to agree.
+
+        Parameters
+        ----------
+        target : (size,) array
+            The point to be projected.
+        rows : Rows
+            All rows.
+        working : (m,) boolean array
+            The rows to begin with; those that are added are marked here.
+        info : ProjectionInfo
+            Is told who solved, and how often.
+        tolerance : float
+            A row is broken when its excess is above this, in the rows' unit.
+
+        Returns
+        -------
+        (size,) array or None
+            The point, or None where the solvers agree that there is none.
         """
         name = solvers.choose(self.solver, rows.size)
         asked = [name]

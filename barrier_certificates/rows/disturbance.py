@@ -36,7 +36,7 @@ class WheelDisturbance:
     across: float
 
     def worst(self, scene: Scene, robots: IntArray, normals: FloatArray) -> FloatArray:
-        """How much a row may lose through these robots, shape (m,), m/s.
+        """Return how much each row may lose through its robot's wheels.
 
         Parameters
         ----------
@@ -46,6 +46,16 @@ class WheelDisturbance:
             The robot in each row.
         normals : (2, m) array
             Its coefficients in the row.
+
+        Returns
+        -------
+        (m,) array
+            Loss, m/s.
+
+        Raises
+        ------
+        ParameterError
+            If the robots of the scene have no headings.
         """
         if scene.headings is None:
             raise ParameterError("a wheel disturbance needs robots that have headings")

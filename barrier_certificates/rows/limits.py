@@ -54,16 +54,57 @@ class LimitRows:
         self._turned = np.stack([along, -across], axis=1), np.stack([across, along], axis=1)
 
     def partners(self, number: int) -> IntArray:
-        """Which robots each row joins: side by side, every robot with the world."""
+        """Return which robots each row joins: side by side, every robot with the world.
+
+        Parameters
+        ----------
+        number : int
+            Number of robots, N.
+
+        Returns
+        -------
+        (2, m) array
+            Numbers of the robots in each row; the second is `WORLD`.
+        """
         return with_world(len(self.names), number)
 
     def prepare(self, number: int, coefficient: FloatArray, bound: FloatArray) -> None:
-        """Write what does not turn."""
+        """Write what does not turn.
+
+        Parameters
+        ----------
+        number : int
+            Number of robots, N.
+        coefficient : (4, m) array
+            Where the coefficients are written: x and y of the first robot, x and y of the second.
+        bound : (m,) array
+            Where the right-hand sides are written, m/s.
+        """
         coefficient[:2] = np.repeat(self.normals, number, axis=1)
         bound[:] = np.repeat(self.bounds, number)
 
     def update(self, scene: Scene, coefficient: FloatArray, bound: FloatArray) -> Barrier:
-        """Turn the polygon with the headings."""
+        """Turn the polygon with the headings.
+
+        Parameters
+        ----------
+        scene : Scene
+            Where the team is.
+        coefficient : (4, m) array
+            Where the coefficients are written: x and y of the first robot, x and y of the second.
+        bound : (m,) array
+            Where the right-hand sides are written, m/s.
+
+        Returns
+        -------
+        Barrier
+            Nothing near: limits have no barrier.
+
+        Raises
+        ------
+        ParameterError
+            If the polygon turns with the robots, but they have no headings.
+        """
         if self.turning:
             if scene.headings is None:
                 raise ParameterError("limits fixed to the body need the headings of the robots")
@@ -73,17 +114,52 @@ class LimitRows:
         return NOTHING_NEAR
 
     def measure(self, scene: Scene) -> tuple[FloatArray, FloatArray]:
-        """Return nothing: limits have no barrier."""
+        """Return nothing: limits have no barrier.
+
+        Parameters
+        ----------
+        scene : Scene
+            Where the team is.
+
+        Returns
+        -------
+        h : (0,) array
+            Empty.
+        clearance : (0,) array
+            Empty.
+        """
         return np.zeros(0), np.zeros(0)
 
     def label(self, number: int, row: int) -> str:
-        """Say which robot and which limit."""
+        """Say which robot and which limit.
+
+        Parameters
+        ----------
+        number : int
+            Number of robots, N.
+        row : int
+            Index among the rows of this kind.
+
+        Returns
+        -------
+        str
+            Words for people, as in ``info.active``.
+        """
         return f"robot {row % number}: {self.names[row // number]}"
 
 
 @dataclass(frozen=True, eq=False)
 class VelocityPolygon:
-    """Velocities v with n·v ≤ b for every side: unit normals (2, K), bounds (K,) in m/s, names (K).
+    """Velocities v with n·v ≤ b for every side; zero is one of them.
+
+    Parameters
+    ----------
+    normals : (2, K) array
+        Outward normals n, made unit vectors.
+    bounds : (K,) array
+        Bounds b, m/s.
+    names : tuple of str
+        What `info.active` calls each side, K names.
 
     Raises
     ------
@@ -105,14 +181,26 @@ class VelocityPolygon:
 
     @classmethod
     def octagon(cls, limit: float) -> VelocityPolygon:
-        """Return the octagon with its vertices on the circle of radius ``limit`` m/s."""
+        """Return the octagon with its vertices on a circle.
+
+        Parameters
+        ----------
+        limit : float
+            Radius of the circle, m/s.
+        """
         angles = np.arange(8) * np.pi / 4.0
         normals = np.stack([np.cos(angles), np.sin(angles)])
         return cls(normals, np.full(8, limit * np.cos(np.pi / 8.0)), ("speed limit",) * 8)
 
     @classmethod
     def box(cls, limit: float) -> VelocityPolygon:
-        """Return the box |v_x|, |v_y| ≤ ``limit`` m/s."""
+        """Return the box |v_x|, |v_y| ≤ limit.
+
+        Parameters
+        ----------
+        limit : float
+            The limit, m/s.
+        """
         normals = np.array([[1.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, -1.0]])
         return cls(normals, np.full(4, limit), ("speed limit",) * 4)
 
@@ -142,7 +230,13 @@ class VelocityPolygon:
         return VelocityPolygon(self.normals[:, kept], self.bounds[kept], names)
 
     def rows(self, turning: bool = False) -> LimitRows:
-        """Return the rows of the polygon, fixed in the plane or turning with the headings."""
+        """Return the rows of the polygon.
+
+        Parameters
+        ----------
+        turning : bool
+            Whether it turns with the headings, or is fixed in the plane.
+        """
         return LimitRows(self.normals, self.bounds, self.names, turning, self.top_speed())
 
     def _closed(self) -> bool:

@@ -26,7 +26,18 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True)
 class Disc:
-    """A disc at ``centre`` (m) with a ``radius`` (m), moving with ``velocity`` (m/s).
+    """A disc that robots keep clear of, standing or moving.
+
+    Parameters
+    ----------
+    centre : (x, y)
+        Where it is now, m.
+    radius : float
+        Its radius, m.
+    velocity : (v_x, v_y)
+        How it moves, m/s.
+    name : str
+        What messages call it; by default its number.
 
     Raises
     ------
@@ -50,7 +61,20 @@ class Disc:
 
 @dataclass(frozen=True)
 class Segment:
-    """A wall or bar from ``start`` to ``end`` (m), ``radius`` (m) thick to each side.
+    """A wall or bar that robots keep clear of, standing or moving.
+
+    Parameters
+    ----------
+    start : (x, y)
+        One end, m.
+    end : (x, y)
+        The other end, m.
+    radius : float
+        Thickness to each side, m.
+    velocity : (v_x, v_y)
+        How it moves, m/s.
+    name : str
+        What messages call it; by default its number.
 
     Raises
     ------
@@ -94,6 +118,11 @@ def _settle(obstacle: Obstacle, *points: str) -> None:
 
 def listed(obstacles: Any) -> tuple[Obstacle, ...]:
     """Return obstacles as a tuple, refusing what is none.
+
+    Parameters
+    ----------
+    obstacles : sequence of Disc or Segment
+        What was given.
 
     Raises
     ------
@@ -139,7 +168,13 @@ class ObstacleRows:
         self.move(obstacles)
 
     def move(self, obstacles: Sequence[Obstacle]) -> None:
-        """Put obstacles where they are now; tell the row book where their number changed."""
+        """Put obstacles where they are now; tell the row book where their number changed.
+
+        Parameters
+        ----------
+        obstacles : sequence of Disc or Segment
+            The obstacles as they are now.
+        """
         self.obstacles = obstacles
         ends = np.array([o.ends for o in obstacles], dtype=float).reshape(-1, 2, 2)
         self._start = ends[:, 0].T[:, :, None]
@@ -153,14 +188,50 @@ class ObstacleRows:
         self.names = tuple(o.name or f"obstacle {k}" for k, o in enumerate(obstacles))
 
     def partners(self, number: int) -> IntArray:
-        """Which robots each row joins: obstacle by obstacle, every robot with the world."""
+        """Return which robots each row joins: obstacle by obstacle, every robot with the world.
+
+        Parameters
+        ----------
+        number : int
+            Number of robots, N.
+
+        Returns
+        -------
+        (2, m) array
+            Numbers of the robots in each row; the second is `WORLD`.
+        """
         return with_world(len(self.names), number)
 
     def prepare(self, number: int, coefficient: FloatArray, bound: FloatArray) -> None:
-        """Write nothing: all of it changes with the positions."""
+        """Write nothing: all of it changes with the positions.
+
+        Parameters
+        ----------
+        number : int
+            Number of robots, N.
+        coefficient : (4, m) array
+            Where the coefficients are written: x and y of the first robot, x and y of the second.
+        bound : (m,) array
+            Where the right-hand sides are written, m/s.
+        """
 
     def update(self, scene: Scene, coefficient: FloatArray, bound: FloatArray) -> Barrier:
-        """Write the rows for the present positions."""
+        """Write the rows for the present positions.
+
+        Parameters
+        ----------
+        scene : Scene
+            Where the team is.
+        coefficient : (4, m) array
+            Where the coefficients are written: x and y of the first robot, x and y of the second.
+        bound : (m,) array
+            Where the right-hand sides are written, m/s.
+
+        Returns
+        -------
+        Barrier
+            The one of least clearance.
+        """
         offset, square = self._offsets(scene)
         if square.min() < COINCIDENT**2:
             square = self._leave(offset, square)
@@ -178,7 +249,20 @@ class ObstacleRows:
         return Barrier(h.item(row), clearance.item(row), row)
 
     def measure(self, scene: Scene) -> tuple[FloatArray, FloatArray]:
-        """Return ‖D‖² − R² in m² and ‖D‖ − R in m of each row."""
+        """Return how far every robot is from every obstacle.
+
+        Parameters
+        ----------
+        scene : Scene
+            Where the team is.
+
+        Returns
+        -------
+        h : (m,) array
+            Barriers ‖D‖² − R², m².
+        clearance : (m,) array
+            Distances less radii, ‖D‖ − R, m.
+        """
         _, square = self._offsets(scene)
         h, clearance = square - self._distance**2, np.sqrt(square) - self._distance
         return h.reshape(-1), clearance.reshape(-1)
@@ -203,5 +287,18 @@ class ObstacleRows:
         return np.where(inside, COINCIDENT**2, square)
 
     def label(self, number: int, row: int) -> str:
-        """Say which robot and which obstacle."""
+        """Say which robot and which obstacle.
+
+        Parameters
+        ----------
+        number : int
+            Number of robots, N.
+        row : int
+            Index among the rows of this kind.
+
+        Returns
+        -------
+        str
+            Words for people, as in ``info.active``.
+        """
         return f"robot {row % number} and {self.names[row // number]}"

@@ -51,7 +51,24 @@ class PairRows:
     def write(
         self, scene: Scene, pairs: IntArray, coefficient: FloatArray, bound: FloatArray
     ) -> Barrier:
-        """Write the rows of the given pairs (2, m) into ``coefficient`` (4, m), ``bound`` (m,)."""
+        """Write the rows of the given pairs for the present positions.
+
+        Parameters
+        ----------
+        scene : Scene
+            Where the team is.
+        pairs : (2, m) integer array
+            The two robots of each row.
+        coefficient : (4, m) array
+            Where the coefficients are written: x and y of the first robot, x and y of the second.
+        bound : (m,) array
+            Where the right-hand sides are written, m/s.
+
+        Returns
+        -------
+        Barrier
+            The one of least clearance.
+        """
         first, second = pairs
         offset = scene.positions.take(first, axis=1)
         offset -= scene.positions.take(second, axis=1)
@@ -85,13 +102,34 @@ class PairRows:
         return Barrier(smallest, math.sqrt(nearest) - self.radius, row)
 
     def measure(self, scene: Scene, pairs: IntArray) -> tuple[FloatArray, FloatArray]:
-        """Return ‖D‖² − r² in m² and ‖D‖ − r in m of the given pairs (2, m)."""
+        """Return how far the robots of the given pairs are apart.
+
+        Parameters
+        ----------
+        scene : Scene
+            Where the team is.
+        pairs : (2, m) integer array
+            The two robots of each pair.
+
+        Returns
+        -------
+        h : (m,) array
+            Barriers ‖D‖² − r², m².
+        clearance : (m,) array
+            Distances less the radius, ‖D‖ − r, m.
+        """
         offset = scene.positions[:, pairs[0]] - scene.positions[:, pairs[1]]
         square = (offset * offset).sum(axis=0)
         return square - self.radius**2, np.sqrt(square) - self.radius
 
     def reach(self, speed: float) -> float:
-        """Distance (m) beyond which no two robots of at most ``speed`` m/s can break their row."""
+        """Return the distance beyond which no two robots can break their row, m.
+
+        Parameters
+        ----------
+        speed : float
+            No robot is faster, m/s.
+        """
         if not (self.gain > 0.0 and math.isfinite(speed)):
             return math.inf
         if self.disturbance is not None:

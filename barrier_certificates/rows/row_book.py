@@ -77,6 +77,18 @@ class RowBook:
         """Return the rows for a scene, and the barrier of least clearance in it.
 
         The arrays inside are written again by the next call.
+
+        Parameters
+        ----------
+        scene : Scene
+            Where the team is.
+
+        Returns
+        -------
+        rows : Rows
+            All rows, m/s.
+        nearest : Barrier
+            The one of least clearance.
         """
         number = scene.positions.shape[1]
         if number != self._number:
@@ -99,7 +111,15 @@ class RowBook:
         self._number = -1
 
     def margins(self, scene: Scene, within: float) -> list[Margin]:
-        """Return what is closer than ``within`` (m) to being unsafe, the closest first."""
+        """Return what is near to being unsafe, the closest first.
+
+        Parameters
+        ----------
+        scene : Scene
+            Where the team is.
+        within : float
+            Leave out what is clear by more than this, m.
+        """
         number = scene.positions.shape[1]
         found: list[Margin] = []
 

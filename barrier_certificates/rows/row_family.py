@@ -18,6 +18,21 @@ class Barrier(NamedTuple):
     ``h`` is ‖D‖² − r² in m² for pairs and obstacles, and the distance less the margin in m for
     walls; ``clearance`` is in metres for all, so it is what barriers are compared by. Both are
     negative exactly when something is unsafe. ``row`` is −1 where there is nothing.
+
+    Barrier and clearance are negative exactly when something is unsafe.
+
+    Barrier and clearance are negative exactly when something is unsafe.
+
+    Barrier and clearance are negative exactly when something is unsafe.
+
+    Attributes
+    ----------
+    h : float
+        ‖D‖² − r² in m² for pairs and obstacles; the distance less the margin in m for walls.
+    clearance : float
+        The same in metres for all, so it is what barriers are compared by.
+    row : int
+        Index of the row; −1 where there is nothing.
     """
 
     h: float
@@ -29,7 +44,15 @@ NOTHING_NEAR = Barrier(np.inf, np.inf, -1)
 
 
 class Scene(NamedTuple):
-    """Where the team is: positions (2, N) in m and, where robots have one, headings (2, N)."""
+    """Where the team is.
+
+    Attributes
+    ----------
+    positions : (2, N) array
+        Positions, m: of projection points, where robots have one.
+    headings : (2, N) array or None
+        Cosine and sine of each heading; None for robots without one.
+    """
 
     positions: FloatArray
     headings: FloatArray | None = None
@@ -41,23 +64,98 @@ class Family(Protocol):
     weight: float
 
     def partners(self, number: int) -> IntArray:
-        """Which robots each row joins, shape (2, m); `WORLD` where there is no second one."""
+        """Return which robots each row joins.
+
+        Parameters
+        ----------
+        number : int
+            Number of robots, N.
+
+        Returns
+        -------
+        (2, m) array
+            Numbers of the robots in each row; `WORLD` where there is no second one.
+        """
 
     def prepare(self, number: int, coefficient: FloatArray, bound: FloatArray) -> None:
-        """Write what never changes into ``coefficient`` (4, m) and ``bound`` (m,)."""
+        """Write what never changes.
+
+        Parameters
+        ----------
+        number : int
+            Number of robots, N.
+        coefficient : (4, m) array
+            Where the coefficients are written: x and y of the first robot, x and y of the second.
+        bound : (m,) array
+            Where the right-hand sides are written, m/s.
+        """
 
     def update(self, scene: Scene, coefficient: FloatArray, bound: FloatArray) -> Barrier:
-        """Write what changes with the scene; return the barrier of least clearance."""
+        """Write what changes with the scene.
+
+        Parameters
+        ----------
+        scene : Scene
+            Where the team is.
+        coefficient : (4, m) array
+            Where the coefficients are written: x and y of the first robot, x and y of the second.
+        bound : (m,) array
+            Where the right-hand sides are written, m/s.
+
+        Returns
+        -------
+        Barrier
+            The one of least clearance.
+        """
 
     def measure(self, scene: Scene) -> tuple[FloatArray, FloatArray]:
-        """Return barrier and clearance of each row; empty where the family has no barrier."""
+        """Return barrier and clearance of each row; empty where the family has no barrier.
+
+        Parameters
+        ----------
+        scene : Scene
+            Where the team is.
+
+        Returns
+        -------
+        h : (m,) array
+            Barriers, m² or m.
+        clearance : (m,) array
+            The same in metres.
+        """
 
     def label(self, number: int, row: int) -> str:
-        """Say what the row stands for."""
+        """Say what the row stands for.
+
+        Parameters
+        ----------
+        number : int
+            Number of robots, N.
+        row : int
+            Index among the rows of this kind.
+
+        Returns
+        -------
+        str
+            Words for people, as in ``info.active``.
+        """
 
 
 def with_world(rows_each: int, number: int) -> IntArray:
-    """Return the partners of ``rows_each`` rows for each robot with the world, (2, m)."""
+    """Return the partners of rows that join every robot with the world.
+
+    Parameters
+    ----------
+    rows_each : int
+        Rows of each robot.
+    number : int
+        Number of robots, N.
+
+    Returns
+    -------
+    (2, m) array
+        The robots, all of them for the first of their rows, then for the second; `WORLD` below.
+    """
     partners = np.full((2, rows_each * number), WORLD)
     partners[0] = np.tile(np.arange(number), rows_each)
     return partners

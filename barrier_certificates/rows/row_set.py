@@ -92,7 +92,18 @@ class Rows:
             self._flat[self._place] = self.coefficient
 
     def excess(self, x: FloatArray) -> FloatArray:
-        """Return how far each row is broken at ``x``, (m,) in m/s; negative where it holds."""
+        """Return how far each row is broken.
+
+        Parameters
+        ----------
+        x : (size,) array
+            The velocities, x and y of all robots, m/s.
+
+        Returns
+        -------
+        (m,) array
+            Excess, m/s; negative where a row holds.
+        """
         total: FloatArray
         if self._flat is not None:
             total = self._matrix @ x
@@ -106,7 +117,18 @@ class Rows:
         return total
 
     def dense(self, which: IntArray) -> FloatArray:
-        """Return the chosen rows as a matrix, shape (len(which), size)."""
+        """Return the chosen rows as a matrix.
+
+        Parameters
+        ----------
+        which : (k,) integer array
+            Indices of the rows.
+
+        Returns
+        -------
+        (k, size) array
+            Coefficients a: a row for each, a column for each unknown.
+        """
         width = self.size + 1
         if self._flat is not None:
             return self._flat.reshape(-1, width).take(which, axis=0)[:, : self.size]
@@ -118,7 +140,18 @@ class Rows:
         return flat.reshape(-1, width)[:, : self.size]
 
     def sparse(self, which: IntArray) -> sparse.csr_matrix:
-        """Return the chosen rows as a sparse matrix, shape (len(which), size)."""
+        """Return the chosen rows as a sparse matrix.
+
+        Parameters
+        ----------
+        which : (k,) integer array
+            Indices of the rows.
+
+        Returns
+        -------
+        (k, size) sparse array
+            Coefficients a, in compressed rows.
+        """
         index = self.index[:, which]
         row = np.broadcast_to(np.arange(which.shape[0]), index.shape)
         here = index < self.size
@@ -126,7 +159,13 @@ class Rows:
         return sparse.csr_matrix(data, shape=(which.shape[0], self.size))
 
     def take(self, which: IntArray) -> Rows:
-        """Return the chosen rows as a set of their own."""
+        """Return the chosen rows as a set of their own.
+
+        Parameters
+        ----------
+        which : (k,) integer array
+            Indices of the rows.
+        """
         return Rows(
             self.index[:, which],
             self.coefficient[:, which],
@@ -137,7 +176,13 @@ class Rows:
         )
 
     def with_bound(self, bound: FloatArray) -> Rows:
-        """Return the same rows with other right-hand sides (m,); all other arrays are shared."""
+        """Return the same rows with other right-hand sides; all other arrays are shared.
+
+        Parameters
+        ----------
+        bound : (m,) array
+            The right-hand sides, m/s.
+        """
         rows = Rows(
             self.index,
             self.coefficient,

@@ -54,15 +54,51 @@ class WallRows:
         self._inner = (offsets - margin)[:, None]
 
     def partners(self, number: int) -> IntArray:
-        """Which robots each row joins: wall by wall, every robot with the world."""
+        """Return which robots each row joins: wall by wall, every robot with the world.
+
+        Parameters
+        ----------
+        number : int
+            Number of robots, N.
+
+        Returns
+        -------
+        (2, m) array
+            Numbers of the robots in each row; the second is `WORLD`.
+        """
         return with_world(len(self.names), number)
 
     def prepare(self, number: int, coefficient: FloatArray, bound: FloatArray) -> None:
-        """Write the normals, which never change."""
+        """Write the normals, which never change.
+
+        Parameters
+        ----------
+        number : int
+            Number of robots, N.
+        coefficient : (4, m) array
+            Where the coefficients are written: x and y of the first robot, x and y of the second.
+        bound : (m,) array
+            Where the right-hand sides are written, m/s.
+        """
         coefficient[:2] = np.repeat(self.normals, number, axis=1)
 
     def update(self, scene: Scene, coefficient: FloatArray, bound: FloatArray) -> Barrier:
-        """Write the bounds for the present positions."""
+        """Write the bounds for the present positions.
+
+        Parameters
+        ----------
+        scene : Scene
+            Where the team is.
+        coefficient : (4, m) array
+            Where the coefficients are written: x and y of the first robot, x and y of the second.
+        bound : (m,) array
+            Where the right-hand sides are written, m/s.
+
+        Returns
+        -------
+        Barrier
+            The one of least clearance.
+        """
         gap = self._outward @ scene.positions
         np.subtract(self._inner, gap, out=gap)
         gap = gap.reshape(-1)
@@ -77,22 +113,57 @@ class WallRows:
         return Barrier(smallest, smallest, row)
 
     def measure(self, scene: Scene) -> tuple[FloatArray, FloatArray]:
-        """Return the gap to each wall twice: it is barrier and clearance in one, m."""
+        """Return the gap of every robot to every wall twice: it is barrier and clearance in one.
+
+        Parameters
+        ----------
+        scene : Scene
+            Where the team is.
+
+        Returns
+        -------
+        h : (m,) array
+            Gaps, m.
+        clearance : (m,) array
+            The same, m.
+        """
         gap = (self._inner - self._outward @ scene.positions).reshape(-1)
         return gap, gap
 
     def label(self, number: int, row: int) -> str:
-        """Say which robot and which wall."""
+        """Say which robot and which wall.
+
+        Parameters
+        ----------
+        number : int
+            Number of robots, N.
+        row : int
+            Index among the rows of this kind.
+
+        Returns
+        -------
+        str
+            Words for people, as in ``info.active``.
+        """
         return f"robot {row % number} and {self.names[row // number]}"
 
 
 def rectangle(bounds: Any) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
-    """Return normals (2, 4), offsets (4,) and names of the walls of a rectangle.
+    """Return the walls of a rectangle.
 
     Parameters
     ----------
     bounds : (4,) array-like
         x_min, x_max, y_min, y_max, m.
+
+    Returns
+    -------
+    normals : (2, 4) array
+        Outward unit normals.
+    offsets : (4,) array
+        Distances of the walls from the origin, along the normals, m.
+    names : tuple of str
+        What messages call the walls.
     """
     x_min, x_max, y_min, y_max = (float(b) for b in np.asarray(bounds, dtype=float).reshape(-1))
     normals = np.array([[1.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, -1.0]])
@@ -101,12 +172,21 @@ def rectangle(bounds: Any) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
 
 
 def polygon(corners: Any) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
-    """Return normals (2, W), offsets (W,) and names of the walls of a convex polygon.
+    """Return the walls of a convex polygon.
 
     Parameters
     ----------
     corners : (2, W) array-like
         Corners in order, either way round, m; the first may be repeated at the end.
+
+    Returns
+    -------
+    normals : (2, W) array
+        Outward unit normals.
+    offsets : (W,) array
+        Distances of the walls from the origin, along the normals, m.
+    names : tuple of str
+        What messages call the walls.
 
     Raises
     ------

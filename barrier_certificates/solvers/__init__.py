@@ -36,10 +36,10 @@ class Solve(Protocol):
         ----------
         rows : Rows
             All rows.
-        which : integer array
-            The rows to satisfy.
+        which : (k,) integer array
+            Indices of the rows to satisfy.
         target : (size,) array
-            The point to be projected.
+            The point to be projected, m/s.
         options : mapping
             The solver's own, by their own names; they hold for this call.
 
@@ -132,6 +132,11 @@ _CONFIRM_LARGE = ("clarabel", "cvxopt", "nnls")
 def check(name: str) -> None:
     """Refuse a solver that does not exist or is not installed; ``"auto"`` always passes.
 
+    Parameters
+    ----------
+    name : str
+        Name of a solver, or ``"auto"``.
+
     Raises
     ------
     ParameterError
@@ -154,7 +159,13 @@ def check(name: str) -> None:
 
 @cache
 def installed(name: str) -> bool:
-    """Whether a solver's library can be imported, and its module was not left out of an upload."""
+    """Whether a solver's library can be imported, and its module was not left out of an upload.
+
+    Parameters
+    ----------
+    name : str
+        Name of a solver.
+    """
     try:
         parts = (_SOLVERS[name].needs, f"{__name__}.solve_{name}")
         return all(find_spec(part) is not None for part in parts)
@@ -163,7 +174,15 @@ def installed(name: str) -> bool:
 
 
 def choose(name: str, size: int) -> str:
-    """Return the solver named, or for ``"auto"`` the best there is for so many unknowns."""
+    """Return the solver named, or for ``"auto"`` the best there is for so many unknowns.
+
+    Parameters
+    ----------
+    name : str
+        Name of a solver, or ``"auto"``.
+    size : int
+        Number of unknowns, two a robot.
+    """
     if name != "auto":
         return name
     order = _SMALL_FIRST if size < LARGE else _LARGE_FIRST
@@ -171,14 +190,40 @@ def choose(name: str, size: int) -> str:
 
 
 def confirm(asked: Iterable[str], size: int) -> str | None:
-    """Return who is asked next where the solvers asked so far find no point that satisfies all."""
+    """Return who is asked next where the solvers asked so far find no point that satisfies all.
+
+    Parameters
+    ----------
+    asked : iterable of str
+        Solvers that have found none.
+    size : int
+        Number of unknowns, two a robot.
+
+    Returns
+    -------
+    str or None
+        A solver's name; None where nobody is left to ask.
+    """
     order = ("nnls",) if size < LARGE else _CONFIRM_LARGE
     return next((name for name in order if name not in asked and installed(name)), None)
 
 
 @cache
 def load(name: str) -> Solve:
-    """Return the ``solve`` of a solver, importing it now."""
+    """Return the ``solve`` of a solver, importing it now.
+
+    Parameters
+    ----------
+    name : str
+        Name of a solver.
+
+    Raises
+    ------
+    ParameterError
+        If there is no solver of this name.
+    SolverNotInstalledError
+        If it is not installed.
+    """
     check(name)
     return _SOLVERS[name].load()
 
@@ -187,6 +232,24 @@ def solve(
     name: str, rows: Rows, which: IntArray, target: FloatArray, options: Mapping[str, float]
 ) -> FloatArray | None:
     """Ask the solver named; see `Solve`.
+
+    Parameters
+    ----------
+    name : str
+        Name of a solver.
+    rows : Rows
+        All rows.
+    which : (k,) integer array
+        Indices of the rows to satisfy.
+    target : (size,) array
+        The point to be projected, m/s.
+    options : mapping
+        The solver's own options, by its own names.
+
+    Returns
+    -------
+    (size,) array or None
+        The nearest point, m/s; None if there is none.
 
     Raises
     ------

@@ -37,7 +37,7 @@ class Guess(NamedTuple):
     ----------
     point : (size,) array or None
         The optimum, or None where the guesses did not settle.
-    binding : integer array
+    binding : (k,) integer array
         The rows that bind.
     violation : float
         Largest excess over all rows at the point, m/s.
@@ -64,7 +64,7 @@ def guess(
         The point to be projected.
     excess : (m,) array
         ``rows.excess(target)``.
-    warm : integer array
+    warm : (k,) integer array
         Rows that bound last time.
     tolerance : float
         A row is broken when its excess is above this, m/s.
@@ -150,11 +150,15 @@ def polish(
 
     Parameters
     ----------
-    rows, which, target
-        The problem, see `barrier_certificates.solvers`.
+    rows : Rows
+        All rows.
+    which : (k,) integer array
+        Indices of the rows to satisfy.
+    target : (size,) array
+        The point to be projected, m/s.
     near : (size,) array
         A point near the optimum.
-    multipliers : (len(which),) array
+    multipliers : (k,) array
         Its multipliers: those of the binding rows are far above the others.
 
     Returns

@@ -23,10 +23,28 @@ _NEAR = 1e-10  # duality gap, m²/s²: at most 15 µm/s from the optimum
 def solve(
     rows: Rows, which: IntArray, target: FloatArray, options: Mapping[str, float]
 ) -> FloatArray | None:
-    """Nearest point to ``target`` that satisfies the chosen rows, or None if there is none.
+    """Return the nearest point to the target that satisfies the chosen rows.
 
-    Options are those of `cvxopt.solvers.qp`, such as ``maxiters``; the rest is as in
-    `barrier_certificates.solvers`.
+    Parameters
+    ----------
+    rows : Rows
+        All rows.
+    which : (k,) integer array
+        Indices of the rows to satisfy.
+    target : (size,) array
+        The point to be projected, m/s.
+    options : mapping
+        Those of `cvxopt.solvers.qp`, such as ``maxiters``.
+
+    Returns
+    -------
+    (size,) array or None
+        The nearest point, m/s; None if there is none.
+
+    Raises
+    ------
+    TypeError
+        If cvxopt has no such option, or one is no number.
     """
     from cvxopt import matrix, solvers, spmatrix
 

@@ -21,10 +21,23 @@ _TOLERANCES = ((1e-15, 1e-12), (1e-13, 1e-11), (1e-11, 1e-10))  # gap, rows: the
 def solve(
     rows: Rows, which: IntArray, target: FloatArray, options: Mapping[str, float]
 ) -> FloatArray | None:
-    """Nearest point to ``target`` that satisfies the chosen rows, or None if there is none.
+    """Return the nearest point to the target that satisfies the chosen rows.
 
-    Options are settings of Clarabel, which solves the model; the rest is as in
-    `barrier_certificates.solvers`.
+    Parameters
+    ----------
+    rows : Rows
+        All rows.
+    which : (k,) integer array
+        Indices of the rows to satisfy.
+    target : (size,) array
+        The point to be projected, m/s.
+    options : mapping
+        Settings of Clarabel, which solves the model.
+
+    Returns
+    -------
+    (size,) array or None
+        The nearest point, m/s; None if there is none.
     """
     cvxpy: Any = import_module("cvxpy")
     velocity = cvxpy.Variable(rows.size)

@@ -19,10 +19,23 @@ _DEFAULTS = {"primal_tol": 1e-11, "dual_tol": 1e-12}
 def solve(
     rows: Rows, which: IntArray, target: FloatArray, options: Mapping[str, float]
 ) -> FloatArray | None:
-    """Nearest point to ``target`` that satisfies the chosen rows, or None if there is none.
+    """Return the nearest point to the target that satisfies the chosen rows.
 
-    Options are settings of daqp, such as ``iter_limit``; the rest is as in
-    `barrier_certificates.solvers`.
+    Parameters
+    ----------
+    rows : Rows
+        All rows.
+    which : (k,) integer array
+        Indices of the rows to satisfy.
+    target : (size,) array
+        The point to be projected, m/s.
+    options : mapping
+        Settings of daqp, such as ``iter_limit``.
+
+    Returns
+    -------
+    (size,) array or None
+        The nearest point, m/s; None if there is none.
     """
     import daqp
 

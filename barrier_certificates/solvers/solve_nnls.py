@@ -30,18 +30,28 @@ _SCALES = (1.0, 10.0, 0.3, 100.0)
 def solve(
     rows: Rows, which: IntArray, target: FloatArray, options: Mapping[str, float]
 ) -> FloatArray | None:
-    """Nearest point to ``target`` that satisfies the chosen rows, or None if there is none.
+    """Return the nearest point to the target that satisfies the chosen rows.
 
     Parameters
     ----------
     rows : Rows
         All rows.
-    which : integer array
-        The rows to satisfy.
+    which : (k,) integer array
+        Indices of the rows to satisfy.
     target : (size,) array
         The point to be projected, m/s.
     options : mapping
         ``maxiter``: as in `scipy.optimize.nnls`.
+
+    Returns
+    -------
+    (size,) array or None
+        The nearest point, m/s; None if there is none.
+
+    Raises
+    ------
+    TypeError
+        If there is another option.
     """
     matrix, bound = rows.dense(which), rows.bound.take(which)
     system = np.empty((rows.size + 1, which.shape[0]))

@@ -20,10 +20,23 @@ _DEFAULTS = {"eps_abs": 1e-10, "eps_rel": 1e-10}
 def solve(
     rows: Rows, which: IntArray, target: FloatArray, options: Mapping[str, float]
 ) -> FloatArray | None:
-    """Nearest point to ``target`` that satisfies the chosen rows, or None if there is none.
+    """Return the nearest point to the target that satisfies the chosen rows.
 
-    Options are settings of PIQP, such as ``max_iter``; the rest is as in
-    `barrier_certificates.solvers`.
+    Parameters
+    ----------
+    rows : Rows
+        All rows.
+    which : (k,) integer array
+        Indices of the rows to satisfy.
+    target : (size,) array
+        The point to be projected, m/s.
+    options : mapping
+        Settings of PIQP, such as ``max_iter``.
+
+    Returns
+    -------
+    (size,) array or None
+        The nearest point, m/s; None if there is none.
     """
     import piqp
 

@@ -62,7 +62,7 @@ class Analysis:
         Which robot that is, in words.
     estimators : dict of str
         Estimator to the sentence that describes it.
-    curves : dict of ndarray, shape (T,)
+    curves : dict of (T,) arrays
         Values over time by the key of their `metric_registry.Metric`; NaN where undefined.
     numbers : dict of Number
         Every scalar of the summary, with unit and definition.
@@ -104,7 +104,7 @@ class Analysis:
 
     @property
     def settled(self) -> NDArray[np.bool_]:
-        """Samples that count for the numbers named "settled"."""
+        """Samples that count for the numbers named "settled": (T,) booleans."""
         return settled_samples(self.recording.t, self.options.settle)
 
     def summary(self) -> dict[str, Any]:
@@ -139,6 +139,11 @@ class Analysis:
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Save poses, curves and summary in one ``.npz`` that `load` reads back, bit for bit.
+
+        Parameters
+        ----------
+        path : path
+            Where the ``.npz`` is written.
 
         Raises
         ------
@@ -218,6 +223,11 @@ def analyse(
 def load(path: str | os.PathLike[str]) -> Analysis:
     """Read an analysis back that `Analysis.save` wrote.
 
+    Parameters
+    ----------
+    path : path
+        A file ``.npz``.
+
     Raises
     ------
     LogError
@@ -267,7 +277,13 @@ def load(path: str | os.PathLike[str]) -> Analysis:
 
 
 def is_analysis(path: str | os.PathLike[str]) -> bool:
-    """Tell whether a file is a saved analysis and not a log."""
+    """Tell whether a file is a saved analysis and not a log.
+
+    Parameters
+    ----------
+    path : path
+        The file; it need not be there.
+    """
     try:
         with zipfile.ZipFile(path) as archive:
             return "analysis.npy" in archive.namelist()
@@ -276,7 +292,13 @@ def is_analysis(path: str | os.PathLike[str]) -> bool:
 
 
 def statistics(curve: Floats) -> dict[str, float | int]:
-    """Return mean, standard deviation, smallest, largest and how many samples are undefined."""
+    """Return mean, standard deviation, smallest, largest and how many samples are undefined.
+
+    Parameters
+    ----------
+    curve : (T,) array
+        Values over time, NaN where undefined.
+    """
     known = curve[np.isfinite(curve)]
     if not known.size:
         return {key: float("nan") for key in ("mean", "sd", "smallest", "largest")} | {

@@ -51,7 +51,25 @@ class Spread:
 
 @dataclass(frozen=True)
 class Row:
-    """One number in every run."""
+    """One number in every run.
+
+    Attributes
+    ----------
+    key : str
+        Of the number.
+    label : str
+        Words for people.
+    unit : str
+        Empty for pure numbers.
+    group : str
+        Table of the summary that it belongs to.
+    values : tuple of float
+        Of each run; NaN where undefined.
+    by_label : mapping of str to Spread
+        Mean of the runs of each label.
+    overall : Spread
+        Mean of all runs.
+    """
 
     key: str
     label: str
@@ -69,7 +87,7 @@ class Comparison:
     Attributes
     ----------
     analyses : tuple of Analysis
-        The runs.
+        One a run, in the order given.
     labels : tuple of str
         What each run counts as (``simulation``, ``testbed``, or one name for all).
     rows : tuple of Row
@@ -195,7 +213,7 @@ def spread_of(values: Floats, *, seed: int = 0) -> Spread:
 
     Parameters
     ----------
-    values : ndarray, shape (runs,)
+    values : (runs,) array
         NaN where undefined.
     seed : int
         Of the resampling.

@@ -56,7 +56,7 @@ class Motion:
     ----------
     estimator : str
         A key of `ESTIMATORS`.
-    velocities : ndarray, shape (T, 2, N)
+    velocities : (T, 2, N) array
         m/s (unit vectors for ``headings``); NaN where a stretch is too short to tell.
     points : int
         Samples that each estimate uses.
@@ -112,9 +112,21 @@ def estimate(recording: Run, estimator: str, window: float = WINDOW) -> Motion:
 
 
 def window_points(step: float, window: float) -> int:
-    """Return the odd number of samples (at least 3) nearest to a window in seconds.
+    """Return the odd number of samples (at least 3) nearest to a window.
 
     Of two as near, as for a window of an even number of steps, it is the smaller one.
+
+    Parameters
+    ----------
+    step : float
+        Time between samples, s.
+    window : float
+        Length of the window, s.
+
+    Raises
+    ------
+    ParameterError
+        Where the window is no positive number.
     """
     if not (np.isfinite(window) and window > 0):
         raise ParameterError(f"window is {window} s; expected a positive number of seconds")
@@ -258,5 +270,11 @@ _MEDIAN_OF_CHI2 = 0.454936423119572
 
 
 def expected_bias(course: float) -> float:
-    r"""Return how much γ of parallel robots is under-read at a course error σ: 1 − exp(−σ²)."""
+    r"""Return how much γ of parallel robots is under-read: 1 − exp(−σ²).
+
+    Parameters
+    ----------
+    course : float
+        Error of the course, σ, rad.
+    """
     return float(-np.expm1(-(course**2)))

@@ -88,6 +88,11 @@ def alignment(
     -------
     Alignment
         γ and the number of agents it was taken over.
+
+    Raises
+    ------
+    ParameterError
+        Where velocities and positions have different shapes.
     """
     v, p = _states(velocities, "velocities"), _states(positions, "positions")
     if v.shape != p.shape:
@@ -109,16 +114,39 @@ def alignment(
 
 
 def heading_vectors(poses: ArrayLike) -> Floats:
-    """Return unit vectors along the headings of (..., 3, N) poses, shape (..., 2, N)."""
+    """Return unit vectors along the headings.
+
+    Parameters
+    ----------
+    poses : (..., 3, N) array
+        Poses, m and rad.
+
+    Returns
+    -------
+    (..., 2, N) array
+        Unit vectors.
+    """
     theta = np.asarray(poses, dtype=float)[..., 2, :]
     return np.stack([np.cos(theta), np.sin(theta)], axis=-2)
 
 
 def velocities_by_differences(positions: ArrayLike, time_step: float) -> Floats:
-    """Return one-frame differences of (T, d, N) positions, m/s, shape (T, d, N).
+    """Return velocities by one-frame differences.
 
     Exact for simulated poses; for tracked ones see :func:`smoothed_velocities`.  The first
     row repeats the second, so that rows and times still correspond.
+
+    Parameters
+    ----------
+    positions : (T, d, N) array
+        Evenly sampled positions, m.
+    time_step : float
+        Seconds between rows.
+
+    Returns
+    -------
+    (T, d, N) array
+        Velocities, m/s.
     """
     p = _track(positions, 2)
     step = np.diff(p, axis=0) / time_step
@@ -128,7 +156,7 @@ def velocities_by_differences(positions: ArrayLike, time_step: float) -> Floats:
 def smoothed_velocities(
     positions: ArrayLike, time_step: float, points: int = SMOOTHING_POINTS
 ) -> Floats:
-    """Return the Savitzky-Golay derivative of (T, d, N) positions, m/s, shape (T, d, N).
+    """Return velocities by the Savitzky-Golay derivative.
 
     Parameters
     ----------
@@ -138,6 +166,11 @@ def smoothed_velocities(
         Seconds between rows.
     points : int
         Odd length of the window; a quadratic is fitted to each.
+
+    Returns
+    -------
+    (T, d, N) array
+        Velocities, m/s.
 
     Raises
     ------
@@ -151,10 +184,20 @@ def smoothed_velocities(
 
 
 def nearest_neighbour_distance(positions: ArrayLike) -> Floats:
-    """Return the mean over agents of the distance to the nearest other, metres.
+    """Return the mean over agents of the distance to the nearest other.
 
     This is what the paper plots as inter-agent separation: the mean over *all* pairs of its
     flock is five times as large.  NaN for one agent.
+
+    Parameters
+    ----------
+    positions : (..., d, N) array
+        Positions, m.
+
+    Returns
+    -------
+    (...) array
+        The mean, m.
     """
     nearest = _nearest(positions)
     if nearest.shape[-1] < 2:
@@ -163,24 +206,57 @@ def nearest_neighbour_distance(positions: ArrayLike) -> Floats:
 
 
 def smallest_distance(positions: ArrayLike) -> Floats:
-    """Return the distance of the closest pair, metres; infinite for one agent."""
+    """Return the distance of the closest pair.
+
+    Parameters
+    ----------
+    positions : (..., d, N) array
+        Positions, m.
+
+    Returns
+    -------
+    (...) array
+        The distance, m; infinite for one agent.
+    """
     return np.asarray(_nearest(positions).min(axis=-1))
 
 
 def cohesive_radius(positions: ArrayLike) -> Floats:
-    """Return the largest distance of an agent from the centroid, metres (paper, Fig. "hist")."""
+    """Return the largest distance of an agent from the centroid (paper, Fig. "hist").
+
+    Parameters
+    ----------
+    positions : (..., d, N) array
+        Positions, m.
+
+    Returns
+    -------
+    (...) array
+        The distance, m.
+    """
     p = _states(positions, "positions")
     offset = p - p.mean(axis=-1, keepdims=True)
     return np.asarray(np.sqrt(np.square(offset).sum(axis=-2)).max(axis=-1))
 
 
 def mean_speed(velocities: ArrayLike) -> Floats:
-    """Return the mean over agents of ‖v_i‖, m/s."""
+    """Return the mean over agents of ‖v_i‖.
+
+    Parameters
+    ----------
+    velocities : (..., d, N) array
+        Velocities, m/s.
+
+    Returns
+    -------
+    (...) array
+        The mean, m/s.
+    """
     return np.asarray(np.sqrt(np.square(_states(velocities, "velocities")).sum(-2)).mean(-1))
 
 
 def wall_distance(positions: ArrayLike, arena: tuple[float, float, float, float]) -> Floats:
-    """Return how far the agent nearest to a wall is inside the arena, metres.
+    """Return how far the agent nearest to a wall is inside the arena.
 
     Negative where an agent is outside.
 
@@ -190,20 +266,56 @@ def wall_distance(positions: ArrayLike, arena: tuple[float, float, float, float]
         Metres; the first two coordinates count.
     arena : (4,) tuple
         Least x, greatest x, least y, greatest y in metres.
+
+    Returns
+    -------
+    (...) array
+        The distance, m.
     """
     p = _states(positions, "positions")
     return np.asarray(wall_distances(p, arena).min(axis=-1))
 
 
 def fastest_wheel(commands: ArrayLike, wheel_radius: float, base_length: float) -> Floats:
-    """Return the highest |wheel speed| that (..., 2, N) commands (v, ω) ask for, rad/s."""
+    """Return the highest |wheel speed| that commands ask for.
+
+    Parameters
+    ----------
+    commands : (..., 2, N) array
+        Forward speeds v, m/s, and turn rates ω, rad/s.
+    wheel_radius : float
+        Radius of the wheels, m.
+    base_length : float
+        From wheel to wheel, m.
+
+    Returns
+    -------
+    (...) array
+        The speed, rad/s.
+    """
     u = np.asarray(commands, dtype=float)
     fastest = np.abs(u[..., 0, :]) + np.abs(u[..., 1, :]) * (base_length / 2.0)
     return np.asarray(fastest.max(axis=-1) / wheel_radius)
 
 
 def pairwise_distances(positions: ArrayLike) -> Floats:
-    """Return ‖p_j − p_i‖ of every pair once, metres, shape (..., N(N−1)/2)."""
+    """Return ‖p_j − p_i‖ of every pair once.
+
+    Parameters
+    ----------
+    positions : (..., d, N) array
+        Positions, m.
+
+    Returns
+    -------
+    (..., P) array
+        The distances of the P = N(N−1)/2 pairs, m.
+
+    Raises
+    ------
+    ParameterError
+        Where there is only one agent.
+    """
     p = _states(positions, "positions")
     if p.shape[-1] < 2:
         raise ParameterError("positions: expected at least two agents to have a pair, got one")
@@ -213,12 +325,23 @@ def pairwise_distances(positions: ArrayLike) -> Floats:
 
 
 def pairwise_distance_variance(positions: ArrayLike) -> Floats:
-    """Return Var(‖p_j − p_i‖) over all pairs, m² (paper, Fig. "metrics")."""
+    """Return Var(‖p_j − p_i‖) over all pairs (paper, Fig. "metrics").
+
+    Parameters
+    ----------
+    positions : (..., d, N) array
+        Positions, m.
+
+    Returns
+    -------
+    (...) array
+        The variance, m².
+    """
     return np.asarray(pairwise_distances(positions).var(axis=-1))
 
 
 def pairwise_change_variance(positions: ArrayLike, first: ArrayLike) -> Floats:
-    """Return Var(‖p_ij(t)‖ − ‖p_ij(0)‖) over all pairs, m²: zero for a rigid formation.
+    """Return Var(‖p_ij(t)‖ − ‖p_ij(0)‖) over all pairs: zero for a rigid formation.
 
     This, and not :func:`pairwise_distance_variance`, measures what the paper's Fig.
     "metrics" argues: how much of the first formation is lost.
@@ -229,6 +352,11 @@ def pairwise_change_variance(positions: ArrayLike, first: ArrayLike) -> Floats:
         Metres.
     first : (d, N) array
         The positions at t = 0.
+
+    Returns
+    -------
+    (...) array
+        The variance, m².
     """
     return np.asarray((pairwise_distances(positions) - pairwise_distances(first)).var(axis=-1))
 
@@ -245,13 +373,18 @@ def polarisation(velocities: ArrayLike, *, slowest: float = 0.0) -> Floats:
         m/s, or unit headings.
     slowest : float
         Speed in m/s that does not count as moving.
+
+    Returns
+    -------
+    (...) array
+        From 0 to 1.
     """
     mean = _mean_direction(velocities, slowest)
     return np.asarray(np.sqrt(np.square(mean).sum(axis=-1)))
 
 
 def common_heading(velocities: ArrayLike, *, slowest: float = 0.0) -> Floats:
-    """Return the angle of the mean direction in the plane, rad in (-π, π]; NaN where undefined.
+    """Return the angle of the mean direction in the plane.
 
     Parameters
     ----------
@@ -259,6 +392,11 @@ def common_heading(velocities: ArrayLike, *, slowest: float = 0.0) -> Floats:
         m/s, or unit headings.
     slowest : float
         Speed in m/s that does not count as moving.
+
+    Returns
+    -------
+    (...) array
+        The angle, rad in (-π, π]; NaN where undefined.
     """
     mean = _mean_direction(velocities, slowest)
     angle = np.arctan2(mean[..., 1], mean[..., 0])
@@ -267,7 +405,18 @@ def common_heading(velocities: ArrayLike, *, slowest: float = 0.0) -> Floats:
 
 
 def spread(positions: ArrayLike) -> Floats:
-    """Return the root mean square distance of the agents from their centroid, metres."""
+    """Return the root mean square distance of the agents from their centroid.
+
+    Parameters
+    ----------
+    positions : (..., d, N) array
+        Positions, m.
+
+    Returns
+    -------
+    (...) array
+        The distance, m.
+    """
     p = _states(positions, "positions")
     offset = p - p.mean(axis=-1, keepdims=True)
     return np.asarray(np.sqrt(np.square(offset).sum(axis=-2).mean(axis=-1)))
@@ -285,6 +434,11 @@ def algebraic_connectivity(positions: ArrayLike, radius: float | Floats) -> Floa
         Metres.
     radius : float or (N,) array
         Interaction radius in metres.
+
+    Returns
+    -------
+    (...) array
+        The eigenvalue, from 0 to N.
     """
     adjacency = neighbours(_states(positions, "positions"), radius)
     if adjacency.shape[-1] < 2:
@@ -298,7 +452,20 @@ def algebraic_connectivity(positions: ArrayLike, radius: float | Floats) -> Floa
 
 
 def connected_components(positions: ArrayLike, radius: float | Floats) -> NDArray[np.int_]:
-    """Return the number of groups: agents linked where either is the other's neighbour."""
+    """Return the number of groups: agents linked where either is the other's neighbour.
+
+    Parameters
+    ----------
+    positions : (..., d, N) array
+        Positions, m.
+    radius : float or (N,) array
+        Interaction radius, m.
+
+    Returns
+    -------
+    (...) integer array
+        The number of groups.
+    """
     p = _states(positions, "positions")
     if p.shape[-1] >= TREE_FROM_AGENTS:
         return np.asarray(_each_flock(lambda flock: _tree_components(flock, radius), p), dtype=int)

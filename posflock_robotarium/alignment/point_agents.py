@@ -39,24 +39,24 @@ class Measures:
     ----------
     times : (T,) array
         Seconds.
-    gamma : array
+    gamma : (..., T) array
         Alignment γ.
-    counted : array
+    counted : (..., T) array
         Agents in the mean of γ: those that move and have a neighbour.
-    nearest_neighbour : array
+    nearest_neighbour : (..., T) array
         Mean distance to the nearest other, metres.
-    closest_pair : array
+    closest_pair : (..., T) array
         Smallest distance between any two, metres.
-    speed : array
+    speed : (..., T) array
         Mean speed, m/s.
-    cohesive_radius : array
+    cohesive_radius : (..., T) array
         Largest distance from the centroid, metres.
-    distance_variance : array
-        Variance of the pairwise distances, m²; NaN above a thousand agents, whose n² pairs
-        are not looked at.
-    change_variance : array
+    distance_variance : (..., T) array
+        Variance of the pairwise distances, m²; NaN above a thousand agents, whose n² pairs are not
+        looked at.
+    change_variance : (..., T) array
         Variance of the change of pairwise distances since t = 0, m²; NaN likewise.
-    components : array
+    components : (..., T) array
         Groups that are not linked by any neighbour.
     centroid_velocity : (..., T, d) array
         Mean velocity, m/s.
@@ -104,7 +104,18 @@ def measure(recording: Recording, radius: float | Floats) -> Measures:
 
 
 def stack(flocks: list[Measures]) -> Measures:
-    """Make one batch (B, T) of flocks that were recorded at the same times."""
+    """Make one batch of flocks that were recorded at the same times.
+
+    Parameters
+    ----------
+    flocks : list of Measures
+        The flocks, arrays (T,) each.
+
+    Raises
+    ------
+    ParameterError
+        Where there is none.
+    """
     if not flocks:
         raise ParameterError("flocks: expected at least one, got none")
     return Measures(

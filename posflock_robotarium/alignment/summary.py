@@ -25,7 +25,8 @@ from posflock_robotarium.logs.run import Run
 class Summary:
     """The figures that a nine-robot run is judged by.
 
-    Means are over the time after ``settled`` seconds, or over all of a shorter run.
+    Means are over the time after ``settled`` seconds, or over all of a shorter run.  A figure
+    that is unknown or undefined is NaN, a count None: never 0.
 
     Attributes
     ----------
@@ -52,8 +53,6 @@ class Summary:
         much at most, m/s.
     ended : str, optional
         How the run ended.
-
-    A figure that is unknown or undefined is NaN, a count None: never 0.
     """
 
     duration: float
@@ -125,7 +124,13 @@ def summarise(run: Run, radius: float | None = None) -> Summary:
 
 
 def summary_of(analysis: Analysis) -> Summary:
-    """Return the figures of a run that has been analysed."""
+    """Return the figures of a run that has been analysed.
+
+    Parameters
+    ----------
+    analysis : Analysis
+        What was computed of the run.
+    """
 
     def value(key: str) -> float | None:
         number = analysis.numbers.get(key)

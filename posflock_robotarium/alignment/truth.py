@@ -42,7 +42,17 @@ EVERYBODY = 100.0
 
 @dataclass(frozen=True, eq=False)
 class KnownFlock:
-    """A recording and the γ it must yield."""
+    """A recording and the γ it must yield.
+
+    Attributes
+    ----------
+    recording : Run
+        What a tracking system sees of it.
+    radius : float
+        Neighbour radius, m.
+    gamma_headings, gamma_motion : float
+        γ from where robots point, and from where they go.
+    """
 
     recording: Run
     radius: float

@@ -93,7 +93,13 @@ def verdicts_of(
 
 
 def headline(verdicts: tuple[Verdict, ...]) -> str:
-    """Return the run in a few words: ``aligned, together, safe``."""
+    """Return the run in a few words: ``aligned, together, safe``.
+
+    Parameters
+    ----------
+    verdicts : tuple of Verdict
+        The run in sentences.
+    """
     return ", ".join(verdict.short for verdict in verdicts if verdict.short)
 
 

@@ -28,6 +28,16 @@ class Estimate:
 
     @classmethod
     def around(cls, value: float, spread: float, least: float = -math.inf) -> Estimate:
-        """Return the estimate with a normal error of this standard deviation, from `least` on."""
+        """Return the estimate with a normal error.
+
+        Parameters
+        ----------
+        value : float
+            What was fitted.
+        spread : float
+            Standard deviation of the error, in the same unit.
+        least : float
+            No value is smaller, and so the interval begins here or later.
+        """
         value = float(value)
         return cls(value, max(least, value - Z * float(spread)), value + Z * float(spread))

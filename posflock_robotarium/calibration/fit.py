@@ -20,7 +20,15 @@ LEAST_LAG = 1e-4
 
 
 class Fit:
-    """Nonlinear least squares over dead time, lag, gains and bias, whitened."""
+    """Nonlinear least squares over dead time, lag, gains and bias, whitened.
+
+    Parameters
+    ----------
+    data : Increments
+        What robots did and were told.
+    dt : float
+        Time between rows, s.
+    """
 
     def __init__(self, data: Increments, dt: float) -> None:
         self.data, self.dt = data, dt
@@ -29,7 +37,17 @@ class Fit:
         self.scale = [float(data.along.std()) or 1.0, float(data.turn.std()) or 1.0]
 
     def solve(self) -> tuple[Floats, Floats, tuple[Noise, Noise]]:
-        """Return parameters, covariance and the noise of both kinds of increment."""
+        """Return parameters, covariance and the noise of both kinds of increment.
+
+        Returns
+        -------
+        parameters : (p,) array
+            Dead time, lag, then gains and biases of the robots.
+        covariance : (p, p) array
+            Of their errors.
+        noise : tuple of Noise
+            Of the increments along the heading, and of the heading.
+        """
         shape = self._search((0.15, 0.15))
         for _ in range(2):
             channels = self._noise(self._residuals(*self._linear(*shape), *shape))

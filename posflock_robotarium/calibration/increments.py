@@ -23,7 +23,17 @@ NO_COMMANDS = (
 
 @dataclass(frozen=True)
 class Increments:
-    """Increments (K, N), along the heading (m) and of it (rad), and commands (K, 2, N)."""
+    """How far robots went and turned between rows, and what they were told.
+
+    Attributes
+    ----------
+    along : (K, N) array
+        Ways along the heading, m.
+    turn : (K, N) array
+        Turns of the heading, rad.
+    commands : (K, 2, N) array
+        Forward speeds, m/s, and turn rates, rad/s.
+    """
 
     along: Floats
     turn: Floats
@@ -31,7 +41,20 @@ class Increments:
 
 
 def time_step_of(log: Run, given: float | None) -> float:
-    """Return the time between a log's rows, s: as given, else their median; gaps are refused."""
+    """Return the time between a log's rows, s; gaps are refused.
+
+    Parameters
+    ----------
+    log : Run
+        Poses over time.
+    given : float or None
+        What the user says, s; None for the median of the rows.
+
+    Raises
+    ------
+    LogError
+        Where the log is too short, or its rows are not evenly spaced.
+    """
     if len(log.t) < _LEAST_ROWS:
         raise LogError(f"the log has {len(log.t)} rows; a calibration needs {_LEAST_ROWS}")
     steps = np.diff(log.t)
@@ -45,7 +68,20 @@ def time_step_of(log: Run, given: float | None) -> float:
 
 
 def increments_of(log: Run, offsets: Floats) -> Increments:
-    """Return how far robots went and turned between rows; `offsets` (N,) correct the headings."""
+    """Return how far robots went and turned between rows.
+
+    Parameters
+    ----------
+    log : Run
+        The log, with commands.
+    offsets : (N,) array
+        By how much each tracked heading is off, rad; it is taken off.
+
+    Raises
+    ------
+    LogError
+        Where there are no commands, or a robot was never commanded anything else.
+    """
     if log.commands is None:
         raise LogError(f"{log.name}: {NO_COMMANDS}")
     for row, what in ((0, "forward speed"), (1, "turn rate")):
@@ -73,6 +109,11 @@ def delayed(commands: Floats, dead_time: float, lag: float, time_step: float) ->
         Seconds.
     time_step : float
         Seconds.
+
+    Returns
+    -------
+    (K, ...) array
+        What they drive, in the unit of the commands.
     """
     from scipy.signal import lfilter
 

@@ -66,7 +66,7 @@ class Calibration:
         Parameters
         ----------
         name : str
-            Its name.
+            What reports call the profile.
         pooled : bool
             Give distributions over robots, to draw any number of robots from, instead of the
             values of these robots.

@@ -23,7 +23,17 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Noise:
-    """The noise of one kind of increment: variances of unexplained motion q and of jitter r."""
+    """The noise of one kind of increment.
+
+    Attributes
+    ----------
+    q : float
+        Variance of unexplained motion, m² or rad².
+    r : float
+        Variance of the jitter of tracking, m² or rad².
+    spread : (float, float)
+        Standard deviations of the estimates q and r.
+    """
 
     q: float
     r: float
@@ -35,7 +45,13 @@ class Noise:
         return self._deviation(self.r, self.spread[1], 1.0)
 
     def disturbance(self, dt: float) -> Estimate:
-        """Return the standard deviation of the velocity that the model does not explain."""
+        """Return the standard deviation of the velocity that the model does not explain.
+
+        Parameters
+        ----------
+        dt : float
+            Time between rows, s.
+        """
         return self._deviation(self.q, self.spread[0], dt)
 
     @staticmethod
@@ -50,7 +66,13 @@ class Noise:
 
 
 def noise_of(residual: Floats) -> Noise:
-    """Find both variances of a noise by maximum likelihood, in the sine transform."""
+    """Find both variances of a noise by maximum likelihood, in the sine transform.
+
+    Parameters
+    ----------
+    residual : (K, N) array
+        Increments less what the model explains, m or rad.
+    """
     rows = len(residual)
     power = np.square(_sine_transform(residual)).mean(axis=1)
     shape = _jitter_shape(rows)
@@ -93,7 +115,15 @@ def _sine_transform(increments: Floats) -> Floats:
 
 
 def whitener(channel: Noise, rows: int) -> Callable[[Floats], Floats]:
-    """Return what makes increments with this noise white and of unit variance."""
+    """Return what makes increments with this noise white and of unit variance.
+
+    Parameters
+    ----------
+    channel : Noise
+        Variances of the increments' noise.
+    rows : int
+        Number of increments, K.
+    """
     scale = 1 / np.sqrt(channel.q + channel.r * _jitter_shape(rows))[:, None]
 
     def whiten(increments: Floats) -> Floats:

@@ -55,6 +55,11 @@ def resimulate(log: Run, profile: Profile, seed: int = 0) -> Run:
     -------
     Run
         The same times and commands, and the poses that the simulator gives.
+
+    Raises
+    ------
+    LogError
+        Where the log has no commands, or rows that are not evenly spaced.
     """
     from rps_compat.arena import Arena
 
@@ -86,6 +91,13 @@ def resimulate(log: Run, profile: Profile, seed: int = 0) -> Run:
 
 def write_profile(profile: Profile, path: Path) -> None:
     """Write a profile as TOML.
+
+    Parameters
+    ----------
+    profile : Profile
+        What is written.
+    path : Path
+        Where the file is written.
 
     Raises
     ------

@@ -17,6 +17,11 @@ def heading_offsets(log: Run) -> tuple[Estimate, ...]:
     Motion over half a second, across and along the mean tracked heading: the slope is minus the
     offset. A second regressor, the turn meanwhile, takes up how a turning robot's course relates
     to its headings at the frames. Blocks do not overlap, so their scatter gives the interval.
+
+    Parameters
+    ----------
+    log : Run
+        Poses over time, of robots that drove.
     """
     block = 15
     starts = np.arange(0, len(log.t) - block, block)
@@ -44,6 +49,11 @@ def lateral_jitter(log: Run) -> Estimate:
     """Estimate the jitter across the heading from second differences, which smooth motion has not.
 
     A robot cannot go sideways, and in three frames its path bends by next to nothing.
+
+    Parameters
+    ----------
+    log : Run
+        Poses over time.
     """
     second = np.diff(log.poses[:, :2], n=2, axis=0)
     theta = log.poses[1:-1, 2]

@@ -39,7 +39,14 @@ TRAIL = 12.0
 
 
 def draw_run(log: Run, folder: Path) -> list[Path]:
-    """Draw every figure of a run into `folder`, each as PNG and PDF; return the paths.
+    """Draw every figure of a run, each as PNG and PDF; return the paths.
+
+    Parameters
+    ----------
+    log : Run
+        Poses over time, with neighbour radius and arena.
+    folder : Path
+        Where the files are put.
 
     Raises
     ------
@@ -65,7 +72,7 @@ def snapshots(log: Run, times: Sequence[float] | None = None) -> Figure:
     Parameters
     ----------
     log : Run
-        The run.
+        Poses over time, with their arena.
     times : six floats, optional
         Seconds; evenly spread over the run by default.
     """
@@ -90,7 +97,15 @@ def snapshots(log: Run, times: Sequence[float] | None = None) -> Figure:
 
 @in_style
 def alignment_over_time(log: Run, radius: float | None = None) -> Figure:
-    """Draw γ over time, from headings and from motion (paper, Fig. 8)."""
+    """Draw γ over time, from headings and from motion (paper, Fig. 8).
+
+    Parameters
+    ----------
+    log : Run
+        Poses over time.
+    radius : float, optional
+        Neighbour radius, m; by default what the log says.
+    """
     figure = new_figure(3.5, 2.4)
     axes = figure.subplots()
     run, low = measure(log, AnalysisOptions(radius=radius)), 0.0
@@ -114,7 +129,13 @@ def alignment_over_time(log: Run, radius: float | None = None) -> Figure:
 
 @in_style
 def distances_and_speeds(log: Run) -> Figure:
-    """Draw nearest-neighbour, smallest and wall distances, cohesive radius, and speeds."""
+    """Draw nearest-neighbour, smallest and wall distances, cohesive radius, and speeds.
+
+    Parameters
+    ----------
+    log : Run
+        Poses over time, with their arena.
+    """
     figure = new_figure(7.2, 2.4)
     left, right = figure.subplots(1, 2)
     run = measure(log)

@@ -37,7 +37,13 @@ _Result = TypeVar("_Result")
 
 
 def in_style(draw: Callable[_Arguments, _Result]) -> Callable[_Arguments, _Result]:
-    """Let a function draw in our style without changing the caller's."""
+    """Let a function draw in our style without changing the caller's.
+
+    Parameters
+    ----------
+    draw : callable
+        What draws.
+    """
 
     @functools.wraps(draw)
     def styled(*args: _Arguments.args, **kwargs: _Arguments.kwargs) -> _Result:
@@ -51,7 +57,22 @@ def in_style(draw: Callable[_Arguments, _Result]) -> Callable[_Arguments, _Resul
 
 @in_style
 def save(figure: Figure, folder: Path, name: str) -> list[Path]:
-    """Write a figure as NAME.png and NAME.pdf and return both paths."""
+    """Write a figure as NAME.png and NAME.pdf and return both paths.
+
+    Parameters
+    ----------
+    figure : Figure
+        The figure; it is laid out for good.
+    folder : Path
+        Where the files are put; made if it is not there.
+    name : str
+        NAME of the files.
+
+    Raises
+    ------
+    OutputError
+        Where the files cannot be written.
+    """
     paths = [folder / f"{name}.png", folder / f"{name}.pdf"]
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -65,7 +86,13 @@ def save(figure: Figure, folder: Path, name: str) -> list[Path]:
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """Return an empty figure of so many inches, its labels sized for print."""
+    """Return an empty figure, its labels sized for print.
+
+    Parameters
+    ----------
+    width, height : float
+        Its size, inches.
+    """
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height), layout="constrained")

@@ -205,7 +205,12 @@ class Flock:
         }
 
     def steps_in(self, duration: float) -> int:
-        """Return how many time steps `duration` seconds are, rounded.
+        """Return how many time steps a duration is, rounded.
+
+        Parameters
+        ----------
+        duration : float
+            The duration, s.
 
         Raises
         ------

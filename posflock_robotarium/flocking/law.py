@@ -85,6 +85,11 @@ class LawParameters:
     def agents_must_be(self, agents: int) -> None:
         """Refuse per-agent parameters whose length is not the number of agents.
 
+        Parameters
+        ----------
+        agents : int
+            Number of agents.
+
         Raises
         ------
         ParameterError
@@ -149,14 +154,14 @@ def psi(distance: ArrayLike, rest_distance: ArrayLike) -> Floats:
 
     Parameters
     ----------
-    distance : array
+    distance : (...) array
         ‖p_j − p_i‖ in metres.
-    rest_distance : array
+    rest_distance : (...) array
         δ_i·|N_i| in metres; broadcast against `distance`.
 
     Returns
     -------
-    array
+    (...) array
         The gain, in 1/s².
     """
     d = np.asarray(distance, dtype=float)
@@ -171,10 +176,15 @@ def phi(time: float, neighbour_count: ArrayLike, persistence: float | None) -> F
     ----------
     time : float
         Seconds since the imprint, more than zero.
-    neighbour_count : array
+    neighbour_count : (...) array
         |N_i|.
     persistence : float or None
         k in 1/s.  None is the model without threshold: |N_i|/t for ever.
+
+    Returns
+    -------
+    (...) array
+        The gain, in 1/s.
 
     Raises
     ------
@@ -296,7 +306,7 @@ def position_based_input(
 
 
 def check_states(values: ArrayLike, name: str, like: Floats | None = None) -> Floats:
-    """Return `values` as a finite float array of shape (..., d, n), d = 2 or 3.
+    """Return values as a finite float array of positions or velocities, d = 2 or 3.
 
     Parameters
     ----------
@@ -304,8 +314,13 @@ def check_states(values: ArrayLike, name: str, like: Floats | None = None) -> Fl
         What was given.
     name : str
         What to call it in an error.
-    like : array, optional
+    like : (..., d, n) array, optional
         An array whose shape `values` must have.
+
+    Returns
+    -------
+    (..., d, n) array
+        What was given, copied only where it was no float array.
 
     Raises
     ------

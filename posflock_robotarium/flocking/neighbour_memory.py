@@ -40,6 +40,11 @@ class NeighbourMemory:
         r_i, metres.
     hysteresis : float
         How far within the radius a robot has to come to count again, metres; 0 is the paper's rule.
+
+    Raises
+    ------
+    ParameterError
+        Where the hysteresis is negative, or not less than the radius.
     """
 
     def __init__(self, radius: float | Floats, hysteresis: float) -> None:
@@ -58,7 +63,18 @@ class NeighbourMemory:
         self._linked: Booleans | None = None
 
     def update(self, points: Floats) -> Booleans:
-        """Return who is whose neighbour now, (N, N), for points (2, N); row i marks N_i."""
+        """Return who is whose neighbour now, and remember it.
+
+        Parameters
+        ----------
+        points : (2, N) array
+            Positions, m.
+
+        Returns
+        -------
+        (N, N) boolean array
+            Row i marks N_i.
+        """
         within = neighbours(points, self.radius)
         if self._linked is not None:
             within &= self._linked | neighbours(points, self.radius - self.hysteresis)

@@ -1,11 +1,11 @@
 """Where the robots start: random poses in a square, apart enough for the certificate to hold.
 
 A certificate keeps safe a team that starts safe, and what it keeps apart are not the robots'
-centres but their *look-ahead points*, 5 cm ahead of them: robots that face each other at 0.30 m
-have theirs at 0.20 m.  Nor do robots start exactly where they are asked to.  The testbed brings
-them within 5 cm and 0.2 rad, which moves a look-ahead point by 6 cm at most.  So starts are drawn
-with centres *and* look-ahead points apart, the latter by the certificate's radius and twice those
-6 cm.
+centres but their *look-ahead points* (the Robotarium's projection points), 5 cm ahead of them:
+robots that face each other at 0.30 m have theirs at 0.20 m.  Nor do robots start exactly where
+they are asked to.  The testbed brings them within 5 cm and 0.2 rad, which moves a look-ahead point
+by 6 cm at most.  So starts are drawn with centres *and* look-ahead points apart, the latter by the
+certificate's radius and twice those 6 cm.
 """
 
 from __future__ import annotations

@@ -61,6 +61,13 @@ class PoseFilterParameters:
 class PoseFilter:
     """The complementary filter of a team; call :meth:`update`, then :meth:`moved`, each step.
 
+    Parameters
+    ----------
+    parameters : PoseFilterParameters
+        How fast the filter follows what is seen.
+    time_step : float
+        Time from one command to the next, s.
+
     Examples
     --------
     A robot that obeys at once is where the filter says; nothing is corrected.
@@ -84,7 +91,18 @@ class PoseFilter:
         self._poses: Floats | None = None
 
     def update(self, seen: Floats) -> Floats:
-        """Return the filtered poses (3, N) now that the team is `seen` at (3, N)."""
+        """Return the filtered poses now that the team has been seen.
+
+        Parameters
+        ----------
+        seen : (3, N) array
+            Poses as tracking reports them, m and rad.
+
+        Returns
+        -------
+        (3, N) array
+            Filtered poses, m and rad.
+        """
         if self._poses is None:
             self._poses = seen.copy()
             return self._poses
@@ -96,7 +114,18 @@ class PoseFilter:
         return self._poses
 
     def moved(self, command: Floats) -> None:
-        """Move with the `command` (2, N) just sent, m/s and rad/s, for one time step."""
+        """Move with the command just sent, for one time step.
+
+        Parameters
+        ----------
+        command : (2, N) array
+            Forward speeds, m/s, and turn rates, rad/s.
+
+        Raises
+        ------
+        ParameterError
+            Where no poses have been seen yet.
+        """
         if self._poses is None:
             raise ParameterError("moved: the filter has seen no poses yet; call update first")
         x, dt = self._poses, self.time_step

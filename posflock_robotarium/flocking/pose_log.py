@@ -52,7 +52,13 @@ _STATUS = "U8"
 
 
 def row_type(robots: int) -> np.dtype[np.void]:
-    """Return the structure of one row for `robots` robots."""
+    """Return the structure of one row.
+
+    Parameters
+    ----------
+    robots : int
+        Number of robots.
+    """
     return np.dtype(
         [
             ("t", "f8"),
@@ -270,7 +276,13 @@ def _unreached(robots: int) -> NDArray[np.void]:
 
 
 def log_paths(path: str | os.PathLike[str]) -> tuple[Path, Path]:
-    """Return the paths of the rows and of their description, NAME.npy and NAME.json."""
+    """Return the paths of the rows and of their description, NAME.npy and NAME.json.
+
+    Parameters
+    ----------
+    path : path
+        NAME, NAME.npy or NAME.json.
+    """
     stem = Path(path)
     if stem.suffix in (".npy", ".json"):
         stem = stem.with_suffix("")

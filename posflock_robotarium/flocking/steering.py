@@ -43,6 +43,11 @@ class SteeringParameters:
         rad/s by which the common velocity turns.
     clear : float
         Cosine between common velocity and the way inward at which turning stops.
+
+    Raises
+    ------
+    ParameterError
+        Where a value is out of its range.
     """
 
     start: float = 3.0
@@ -95,7 +100,7 @@ class ArenaSteering:
     def steer(
         self, time: float, points: Floats, inputs: Floats, velocities: Floats
     ) -> tuple[Floats, Floats, float]:
-        """Return inputs and velocities (2, N) turned, and by how much velocities were, rad.
+        """Turn the flock's common velocity away from near walls, and leave relative motion alone.
 
         Parameters
         ----------
@@ -103,6 +108,15 @@ class ArenaSteering:
             Seconds since the imprint.
         points, inputs, velocities : (2, N) array
             Look-ahead points in metres; the law's inputs in m/s²; velocities in m/s.
+
+        Returns
+        -------
+        inputs : (2, N) array
+            The turned inputs, m/s².
+        velocities : (2, N) array
+            The turned velocities, m/s.
+        turning : float
+            By how much the velocities were turned, rad.
         """
         if not ties.beyond(time, self.parameters.start):
             return inputs, velocities, 0.0

@@ -46,15 +46,43 @@ class Pairs:
         return np.bincount(self.agent, minlength=self.agents)
 
     def offsets(self, states: Floats) -> Floats:
-        """Return x_j − x_i of every pair, shape (d, M), for states (d, n)."""
+        """Return x_j − x_i of every pair.
+
+        Parameters
+        ----------
+        states : (d, n) array
+            Positions, m, or velocities, m/s.
+
+        Returns
+        -------
+        (d, M) array
+            The differences, in the same unit.
+        """
         return np.asarray(states[:, self.other] - states[:, self.agent])
 
     def sums(self, values: Floats) -> Floats:
-        """Return the sum over each agent's pairs, shape (d, n), of values (d, M)."""
+        """Return the sum over each agent's pairs.
+
+        Parameters
+        ----------
+        values : (d, M) array
+            A column a pair.
+
+        Returns
+        -------
+        (d, n) array
+            A column an agent, in the same unit.
+        """
         return np.stack([np.bincount(self.agent, row, self.agents) for row in values])
 
     def where(self, kept: NDArray[np.bool_]) -> Pairs:
-        """Return the pairs that the (M,) mask keeps."""
+        """Return the pairs that a mask keeps.
+
+        Parameters
+        ----------
+        kept : (M,) boolean array
+            True for those that stay.
+        """
         return Pairs(self.agent[kept], self.other[kept], self.agents)
 
 
@@ -89,7 +117,18 @@ def neighbour_pairs(positions: ArrayLike, radius: float | Floats) -> Pairs:
 
 
 def nearest_distances(positions: ArrayLike) -> Floats:
-    """Return each agent's distance to the nearest other, metres, shape (n,), n from 2."""
+    """Return each agent's distance to the nearest other.
+
+    Parameters
+    ----------
+    positions : (d, n) array
+        Positions, m; two agents at least.
+
+    Returns
+    -------
+    (n,) array
+        Distances, m.
+    """
     from scipy.spatial import cKDTree
 
     p = check_states(positions, "positions")

@@ -107,7 +107,18 @@ class Sensed:
     detected: Booleans | None = None
 
     def neighbours(self, radius: float | Floats) -> Booleans:
-        """Tell who is whose neighbour, (B, n, n): within the radius, and not missed."""
+        """Tell who is whose neighbour: within the radius, and not missed.
+
+        Parameters
+        ----------
+        radius : float or (n,) array
+            Interaction radius, m.
+
+        Returns
+        -------
+        (B, n, n) boolean array
+            Row i marks the neighbours of i.
+        """
         near = neighbours(self.positions, radius)
         return near if self.detected is None else near & self.detected
 
@@ -120,7 +131,7 @@ class Sensors:
     Parameters
     ----------
     sensing : Sensing
-        The effects.
+        How wrong, how late and how seldom they sense, and who fails.
     generators : sequence of Generator
         One for each flock.
     agents : int
@@ -147,7 +158,22 @@ class Sensors:
             row[chosen] = True
 
     def read(self, positions: Floats, velocities: Floats) -> tuple[Floats, Floats]:
-        """Return positions and velocities, (B, d, n), as they are sensed at this step."""
+        """Return positions and velocities as they are sensed at this step.
+
+        Parameters
+        ----------
+        positions : (B, d, n) array
+            True positions, m.
+        velocities : (B, d, n) array
+            True velocities, m/s.
+
+        Returns
+        -------
+        positions : (B, d, n) array
+            Sensed positions, m.
+        velocities : (B, d, n) array
+            Sensed velocities, m/s.
+        """
         self._past.append((positions, velocities))
         p, v = self._past[0]
         return self._noisy(p, self.sensing.position_noise), self._noisy(
@@ -155,12 +181,34 @@ class Sensors:
         )
 
     def failed(self, time: float) -> Booleans | None:
-        """Return who has failed by `time`, (B, n), or None where no one has."""
+        """Return who has failed, or None where no one has.
+
+        Parameters
+        ----------
+        time : float
+            Seconds since the imprint.
+
+        Returns
+        -------
+        (B, n) boolean array or None
+            True for an agent that has.
+        """
         started = self.sensing.failing > 0.0 and ties.reached(time, self.sensing.failure_time)
         return self.failing if started else None
 
     def detected(self, time: float) -> Booleans | None:
-        """Return who senses whom at this step, (B, n, n), or None where nothing is hidden."""
+        """Return who senses whom at this step, or None where nothing is hidden.
+
+        Parameters
+        ----------
+        time : float
+            Seconds since the imprint.
+
+        Returns
+        -------
+        (B, n, n) boolean array or None
+            Row i marks whom i senses.
+        """
         agents = self.failing.shape[-1]
         hidden = self._hidden(time)
         if self.sensing.dropout == 0.0 and hidden is None:
@@ -170,7 +218,22 @@ class Sensors:
         return seen if hidden is None else seen & ~hidden[:, None, :]
 
     def detected_among(self, flock: int, other: NDArray[np.intp], time: float) -> Booleans | None:
-        """Return which pairs of a list are sensed, (M,): the same effects for sparse flocks."""
+        """Return which pairs of a list are sensed: the same effects for sparse flocks.
+
+        Parameters
+        ----------
+        flock : int
+            Number of the flock in the batch.
+        other : (M,) integer array
+            Whom the agent of each pair may sense.
+        time : float
+            Seconds since the imprint.
+
+        Returns
+        -------
+        (M,) boolean array or None
+            True for a pair that is sensed; None where nothing is hidden.
+        """
         hidden = self._hidden(time)
         if self.sensing.dropout == 0.0 and hidden is None:
             return None

@@ -247,6 +247,11 @@ def simulate_batch(scenario: FreeSpace, seeds: Sequence[Seed]) -> Recording:
     -------
     Recording
         States (B, T, d, n); flock b is what ``simulate(scenario, seeds[b])`` returns.
+
+    Raises
+    ------
+    ParameterError
+        Where there is no seed.
     """
     together = max(1, _CACHED_NUMBERS // scenario.agents**2)
     parts = [
@@ -264,7 +269,22 @@ def simulate_batch(scenario: FreeSpace, seeds: Sequence[Seed]) -> Recording:
 
 
 def initial_states(scenario: FreeSpace, generator: np.random.Generator) -> tuple[Floats, Floats]:
-    """Draw positions in the square or cube and velocities of random direction, (d, n) each."""
+    """Draw positions in the square or cube, and velocities of random direction.
+
+    Parameters
+    ----------
+    scenario : FreeSpace
+        Number of agents, dimensions, side, fastest start.
+    generator : Generator
+        Where they are drawn from.
+
+    Returns
+    -------
+    positions : (d, n) array
+        Positions, m.
+    velocities : (d, n) array
+        Velocities, m/s.
+    """
     shape = (scenario.agents, scenario.dimensions)
     positions = generator.uniform(0.0, scenario.side, shape).T
     direction = generator.standard_normal(shape).T

@@ -41,7 +41,7 @@ def convert(recording: Run, path: Path) -> Path:
     Returns
     -------
     Path
-        The file.
+        Where the file was written.
 
     Raises
     ------

@@ -10,9 +10,17 @@ ROWS = 4096
 
 
 def open_pose_log(path: Path, robots: int, about: dict[str, Any]) -> PoseLog:
-    """Open the pose log of one Robotarium instance of `robots` robots at `path`.
+    """Open the pose log of one Robotarium instance.
 
-    `about` says which script ran, on which generation, with which seed. Offered to
-    ``rps_compat`` under the entry point group ``rps_compat.recorders``.
+    Offered to ``rps_compat`` under the entry point group ``rps_compat.recorders``.
+
+    Parameters
+    ----------
+    path : Path
+        The log's path, without ending.
+    robots : int
+        Number of robots.
+    about : dict
+        Which script ran, on which generation, with which seed.
     """
     return PoseLog(path, robots, ROWS, about)

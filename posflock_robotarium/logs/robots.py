@@ -17,7 +17,15 @@ from rps_compat.testbed import GRITSBOT_X, GTERNAL, RobotModel
 
 @dataclass(frozen=True)
 class LoggedRobot:
-    """A robot and its arena, and in words how they are known."""
+    """A robot and its arena, and how they are known.
+
+    Attributes
+    ----------
+    model : RobotModel
+        The robot and the arena.
+    words : str
+        How they are known.
+    """
 
     model: RobotModel
     words: str

@@ -55,7 +55,15 @@ class How(Enum):
 
 @dataclass(frozen=True)
 class Ending:
-    """How a run ended, and why in words; `reason` is empty where none was recorded."""
+    """How a run ended, and why.
+
+    Attributes
+    ----------
+    how : str
+        The kind of end.
+    reason : str
+        Why, in words; empty where none was recorded.
+    """
 
     how: How
     reason: str = ""
@@ -69,18 +77,18 @@ class Run:
     ----------
     name : str
         What the run is called in tables and on the page (the file's stem).
-    t : ndarray, shape (T,)
+    t : (T,) array
         Seconds, strictly increasing.
-    poses : ndarray, shape (T, 3, N)
+    poses : (T, 3, N) array
         x, y in metres and heading in radians.
-    commands : ndarray, shape (T, 2, N), optional
+    commands : (T, 2, N) array, optional
         Commanded linear (m/s) and angular (rad/s) velocity.
-    intervention : ndarray, shape (T,), optional
-        Intervention of the certificate: how far it changed a velocity at most, each step (m/s);
-        NaN where unknown.
-    clearance : ndarray, shape (T,), optional
+    intervention : (T,) array, optional
+        Intervention of the certificate: how far it changed a velocity at most, each step (m/s); NaN
+        where unknown.
+    clearance : (T,) array, optional
         How far the team is from being unsafe at each step (m); NaN where unknown.
-    status : ndarray of str, shape (T,), optional
+    status : (T,) array of str, optional
         What the certificate answered at each step; "" where unknown.
     parameters : mapping
         Whatever the log says about the run: law, seed, versions, how it ended.
@@ -161,7 +169,7 @@ class Run:
 
     @property
     def gaps(self) -> NDArray[np.intp]:
-        """Samples before which time is missing (indices into `t`)."""
+        """Samples before which time is missing: (k,) indices into `t`."""
         steps = np.diff(self.t)
         return np.flatnonzero(ties.beyond(steps, GAP_FACTOR * np.median(steps))) + 1
 
@@ -209,8 +217,8 @@ class Run:
 
         Parameters
         ----------
-        given : float or sequence of float, optional
-            What the user says; by default what the log says.
+        given : float or (N,) array, optional
+            What the user says, m; by default what the log says.
 
         Raises
         ------
@@ -245,7 +253,13 @@ class Run:
         return float(said)
 
     def noted(self, *notes: str) -> Run:
-        """Return the same run with more to say about how it was read."""
+        """Return the same run with more to say about how it was read.
+
+        Parameters
+        ----------
+        *notes : str
+            How it was read, one sentence a decision.
+        """
         return replace(self, notes=self.notes + notes)
 
 

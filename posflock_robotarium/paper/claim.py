@@ -34,13 +34,13 @@ class Claim:
     test : str
         What is measured, in words.
     measure : function of Evidence
-        The number.
-    unit : str
-        Of the number; empty for shares and cosines.
+        Gives the number that is judged.
     sense : {"at least", "at most"}
         Which side of the thresholds the paper claims.
     holds, weakly : float
-        The thresholds.
+        From the first on the claim holds, from the second on weakly.
+    unit : str
+        Of the number; empty for shares and cosines.
     reasons : dict of verdict to str
         Why, for the verdicts that need explaining.
     """
@@ -56,7 +56,13 @@ class Claim:
     reasons: Mapping[Verdict, str] = field(default_factory=dict)
 
     def judge(self, evidence: Evidence) -> Judgement:
-        """Measure, and compare with the thresholds."""
+        """Measure, and compare with the thresholds.
+
+        Parameters
+        ----------
+        evidence : Evidence
+            Every run of the reproduction.
+        """
         value = float(self.measure(evidence))
         return Judgement(self, value, self._verdict(value))
 
@@ -70,7 +76,17 @@ class Claim:
 
 @dataclass(frozen=True)
 class Judgement:
-    """What became of a claim."""
+    """What became of a claim.
+
+    Attributes
+    ----------
+    claim : Claim
+        What the paper says.
+    value : float
+        What was measured, in the claim's unit.
+    verdict : str
+        Whether it holds.
+    """
 
     claim: Claim
     value: float

@@ -85,7 +85,18 @@ class Robots:
     single: Run
 
     def of(self, name: str) -> Floats:
-        """Return one number of every summary, (B,)."""
+        """Return one number of every summary.
+
+        Parameters
+        ----------
+        name : str
+            Attribute of `Summary`.
+
+        Returns
+        -------
+        (B,) array
+            The number, over seeds.
+        """
         return np.array([getattr(summary, name) for summary in self.summaries], dtype=float)
 
 
@@ -119,11 +130,37 @@ class Evidence:
     imperfect_robots: Robots
 
     def numbers(self, model: Model) -> dict[str, Floats]:
-        """Return the summary numbers of the paper's simulation over seeds."""
+        """Return the summary numbers of the paper's simulation over seeds.
+
+        Parameters
+        ----------
+        model : Model
+            Of the paper's three: which one.
+
+        Returns
+        -------
+        dict of (B,) arrays
+            By the key of the number, as in `summarise`; over seeds.
+        """
         return summarise(self.measures[model])
 
     def study(self, name: str, model: Model) -> tuple[Floats, list[dict[str, Floats]]]:
-        """Return the values of a variation, and the summary numbers at each, over seeds."""
+        """Return the values of a variation, and the summary numbers at each.
+
+        Parameters
+        ----------
+        name : str
+            Of the study, as in :func:`variations`.
+        model : Model
+            Of the paper's three: which one.
+
+        Returns
+        -------
+        values : (V,) array
+            What was varied, in the study's unit.
+        numbers : list of dict of (B,) arrays
+            The numbers at each value, over seeds.
+        """
         chosen = [
             (variation.value, summarise(measures))
             for variation, measures in self.variations
@@ -132,13 +169,34 @@ class Evidence:
         return np.array([value for value, _ in chosen]), [numbers for _, numbers in chosen]
 
     def at(self, name: str, model: Model, value: float) -> dict[str, Floats]:
-        """Return the summary numbers of one variation at one value."""
+        """Return the summary numbers of one variation at one value.
+
+        Parameters
+        ----------
+        name : str
+            Of the study, as in :func:`variations`.
+        model : Model
+            Of the paper's three: which one.
+        value : float
+            One of the study's values, in its unit.
+
+        Returns
+        -------
+        dict of (B,) arrays
+            By the key of the number; over seeds.
+        """
         values, numbers = self.study(name, model)
         return numbers[int(np.flatnonzero(values == value)[0])]
 
 
 def variations(paper: FreeSpace) -> Iterator[Variation]:
-    """Yield every variation of the paper's simulation."""
+    """Yield every variation of the paper's simulation.
+
+    Parameters
+    ----------
+    paper : FreeSpace
+        The simulation that is varied.
+    """
     base = replace(paper, record_interval=1.0)
     both = (Model.VELOCITY, Model.POSITION)
     for value in (0.0125, 0.025, 0.05, 0.1, 0.2):
@@ -211,6 +269,11 @@ def gather(
     -------
     Evidence
         The same for the same seeds, however many workers there are.
+
+    Raises
+    ------
+    ParameterError
+        Where there are fewer than two seeds.
     """
     if seeds < 2:
         raise ParameterError(f"seeds: expected at least 2, for a spread over them, got {seeds}")

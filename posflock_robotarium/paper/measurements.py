@@ -29,12 +29,30 @@ V, P, N = Model.VELOCITY, Model.POSITION, Model.POSITION_NO_THRESHOLD
 
 
 def median(model: Model, name: str) -> Callable[[Evidence], float]:
-    """Return what measures the median of a number over seeds."""
+    """Return what measures the median of a number over seeds.
+
+    Parameters
+    ----------
+    model : Model
+        Of the paper's three: which one.
+    name : str
+        Key of the number in :func:`summarise`'s table.
+    """
     return lambda evidence: float(np.median(evidence.numbers(model)[name]))
 
 
 def share(model: Model, name: str, low: float, high: float) -> Callable[[Evidence], float]:
-    """Return what measures the share of seeds whose number lies from `low` to `high`."""
+    """Return what measures the share of seeds whose number lies in a range.
+
+    Parameters
+    ----------
+    model : Model
+        Of the paper's three: which one.
+    name : str
+        Key of the number in :func:`summarise`'s table.
+    low, high : float
+        The range, bounds included, in the number's unit.
+    """
 
     def within(evidence: Evidence) -> float:
         values = evidence.numbers(model)[name]
@@ -44,41 +62,81 @@ def share(model: Model, name: str, low: float, high: float) -> Callable[[Evidenc
 
 
 def pairs_less(name: str, less: Model, more: Model) -> Callable[[Evidence], float]:
-    """Share of seeds at which one model's number is less than the other's."""
+    """Return what measures the share of seeds at which one model's number is less than the other's.
+
+    Parameters
+    ----------
+    name : str
+        Key of the number in :func:`summarise`'s table.
+    less : Model
+        Whose number should be less.
+    more : Model
+        Whose should be more.
+    """
     return lambda evidence: float(
         np.mean(evidence.numbers(less)[name] < evidence.numbers(more)[name])
     )
 
 
 def median_gain(evidence: Evidence) -> float:
-    """Median over seeds of the settled γ, P-based less V-based."""
+    """Measure the median over seeds of the settled γ, P-based less V-based.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Every run of the reproduction.
+    """
     name = "gamma_settled"
     return float(np.median(evidence.numbers(P)[name] - evidence.numbers(V)[name]))
 
 
 def distance_fluctuation(evidence: Evidence) -> float:
-    """Median over seeds of the relative deviation of the nearest-neighbour distance, t > 20 s."""
+    """Measure the median relative deviation of the nearest-neighbour distance, t > 20 s.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Every run of the reproduction.
+    """
     measures = evidence.measures[P]
     distance = measures.nearest_neighbour[:, ties.reached(measures.times, 20.0)]
     return float(np.median(distance.std(axis=-1) / distance.mean(axis=-1)))
 
 
 def peak_time(evidence: Evidence) -> float:
-    """How far from 30 s the V-based γ is largest, median over seeds."""
+    """Measure how far from 30 s the V-based γ is largest, s, median over seeds.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Every run of the reproduction.
+    """
     measures = evidence.measures[V]
     peak = measures.times[np.nanargmax(measures.gamma, axis=-1)]
     return float(np.median(np.abs(peak - 30.0)))
 
 
 def early_difference(evidence: Evidence) -> float:
-    """Largest difference of γ between the two P-based models until t = 1/k."""
+    """Measure the largest difference of γ between the two P-based models until t = 1/k.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Every run of the reproduction.
+    """
     early = ties.within(evidence.measures[P].times, 1.0 / PAPER_SIMULATION.persistence)
     with_, without = (evidence.measures[model].gamma[:, early] for model in (P, N))
     return float(np.max(np.abs(with_ - without)))
 
 
 def transient_variance_change(evidence: Evidence) -> float:
-    """Median growth of the variance of neighbour distances until 10 s, m²."""
+    """Measure the median growth of the variance of neighbour distances until 10 s, m².
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Every run of the reproduction.
+    """
     measures = evidence.measures[P]
     settled = ties.first_smallest(np.abs(measures.times - 10.0))
     variance = measures.distance_variance
@@ -86,14 +144,26 @@ def transient_variance_change(evidence: Evidence) -> float:
 
 
 def transient_change_variance(evidence: Evidence) -> float:
-    """Median variance of the change of neighbour distances at 10 s, m²."""
+    """Measure the median variance of the change of neighbour distances at 10 s, m².
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Every run of the reproduction.
+    """
     measures = evidence.measures[P]
     settled = ties.first_smallest(np.abs(measures.times - 10.0))
     return float(np.median(measures.change_variance[:, settled]))
 
 
 def denser_with_smaller_scale(evidence: Evidence) -> float:
-    """Share of steps of δ at which the nearest-neighbour distance grows, P and V."""
+    """Measure the share of steps of δ at which the nearest-neighbour distance grows, P and V.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Every run of the reproduction.
+    """
     grows: list[bool] = []
     for model in (V, P):
         _, numbers = evidence.study("distance scale δ", model)
@@ -103,7 +173,13 @@ def denser_with_smaller_scale(evidence: Evidence) -> float:
 
 
 def pair_at_rest(_: Evidence) -> float:
-    """How far from δ·|N| = δ two V-based agents come to rest, metres."""
+    """Measure how far from δ·|N| = δ two V-based agents come to rest, m.
+
+    Parameters
+    ----------
+    _ : Evidence
+        Not used: two agents are simulated here.
+    """
     scenario = FreeSpace(model=V, agents=2, side=1.0, fastest_start=0.1, duration=60.0)
     last = simulate(scenario, seed=0).positions[-1]
     delta = float(np.max(scenario.law.distance_scale))
@@ -111,7 +187,13 @@ def pair_at_rest(_: Evidence) -> float:
 
 
 def head_on_passes(_: Evidence) -> float:
-    """Share of head-on meetings of two agents that end in passing through each other."""
+    """Measure the share of head-on meetings of two agents that end in passing through each other.
+
+    Parameters
+    ----------
+    _ : Evidence
+        Not used: the meetings are simulated here.
+    """
     meetings = product((V, P), (0.5, 1.0, 2.0), (0.1, 0.25, 0.5, 1.0), (0.5, 1.0, 1.5, 2.0, 2.5))
     return float(np.mean([_passes_through(*meeting) for meeting in meetings]))
 
@@ -135,12 +217,28 @@ def _passes_through(model: Model, distance: float, delta: float, speed: float) -
 
 
 def settled_at(study: str, model: Model, value: float) -> Callable[[Evidence], float]:
-    """Return what measures the median settled γ at one value of a study."""
+    """Return what measures the median settled γ at one value of a study.
+
+    Parameters
+    ----------
+    study : str
+        Of the variation, as in `variations`.
+    model : Model
+        Of the paper's three: which one.
+    value : float
+        One of the study's values, in its unit.
+    """
     return lambda evidence: float(np.median(evidence.at(study, model, value)["gamma_settled"]))
 
 
 def noise_advantage(evidence: Evidence) -> float:
-    """Least advantage in γ of P over V that differentiates the same noisy positions."""
+    """Measure the least advantage in γ of P over V that differentiates the same noisy positions.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Every run of the reproduction.
+    """
     return float(
         min(
             np.median(evidence.at("position noise", P, noise)["gamma_settled"])
@@ -151,5 +249,11 @@ def noise_advantage(evidence: Evidence) -> float:
 
 
 def robots_median(name: str) -> Callable[[Evidence], float]:
-    """Return what measures the median of a number over the nine-robot seeds."""
+    """Return what measures the median of a number over the nine-robot seeds.
+
+    Parameters
+    ----------
+    name : str
+        Attribute of `Summary`.
+    """
     return lambda evidence: float(np.median(evidence.robots.of(name)))

@@ -48,7 +48,15 @@ _HISTORY = (
 
 
 def draw_all(evidence: Evidence, folder: Path) -> list[Path]:
-    """Draw every figure into `folder`, each as PNG and PDF, and return the paths."""
+    """Draw every figure, each as PNG and PDF, and return the paths.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Every run of the reproduction.
+    folder : Path
+        Where the files are put.
+    """
     drawn: dict[str, Figure] = {
         "gain": gain(),
         "trajectories_single": trajectories(evidence.singles),
@@ -88,7 +96,13 @@ def gain() -> Figure:
 
 @in_style
 def trajectories(singles: dict[Model, Recording]) -> Figure:
-    """Draw the paths of the three models from identical starts (paper, Fig. 4)."""
+    """Draw the paths of the three models from identical starts (paper, Fig. 4).
+
+    Parameters
+    ----------
+    singles : dict of Model to Recording
+        One run of each model.
+    """
     figure = new_figure(7.2, 2.75)
     for axes, (model, run), letter in zip(
         figure.subplots(1, 3), singles.items(), "abc", strict=True
@@ -118,7 +132,15 @@ def trajectories(singles: dict[Model, Recording]) -> Figure:
 
 @in_style
 def history(evidence: Evidence, *, single: bool) -> Figure:
-    """Draw γ, nearest-neighbour distance, speed and cohesive radius (paper, Fig. 5)."""
+    """Draw γ, nearest-neighbour distance, speed and cohesive radius (paper, Fig. 5).
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Every run of the reproduction.
+    single : bool
+        Draw the first seed alone, or median and quartiles over seeds.
+    """
     figure = new_figure(7.2, 4.2)
     panels = figure.subplots(2, 2, sharex=True)
     for axes, (name, label), letter in zip(panels.flat, _HISTORY, "abcd", strict=True):
@@ -148,7 +170,15 @@ def _near_one(axes: Axes, evidence: Evidence, single: bool) -> None:
 
 @in_style
 def rigidity(evidence: Evidence, *, single: bool) -> Figure:
-    """Draw the variance of pairwise distances, and of their change (paper, Fig. 6)."""
+    """Draw the variance of pairwise distances, and of their change (paper, Fig. 6).
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Every run of the reproduction.
+    single : bool
+        Draw the first seed alone, or median and quartiles over seeds.
+    """
     figure = new_figure(7.2, 2.5)
     panels = figure.subplots(1, 2, sharex=True)
     titles = ("Var ‖p$_{ij}$(t)‖ (m²)", "Var (‖p$_{ij}$(t)‖ − ‖p$_{ij}$(0)‖) (m²)")
@@ -165,7 +195,15 @@ def rigidity(evidence: Evidence, *, single: bool) -> Figure:
 
 @in_style
 def robots_alignment(robots: Robots, *, single: bool) -> Figure:
-    """Draw γ of the nine robots from headings and from motion (paper, Fig. 8)."""
+    """Draw γ of the nine robots from headings and from motion (paper, Fig. 8).
+
+    Parameters
+    ----------
+    robots : Robots
+        The nine robots over seeds.
+    single : bool
+        Draw the first seed alone, or median and quartiles over seeds.
+    """
     figure = new_figure(3.5, 2.4)
     axes = figure.subplots()
     for values, label, colour, dash in (
@@ -182,7 +220,13 @@ def robots_alignment(robots: Robots, *, single: bool) -> Figure:
 
 @in_style
 def parameters(evidence: Evidence) -> Figure:
-    """Draw what the time step, δ and k change: γ, and the nearest-neighbour distance."""
+    """Draw what the time step, δ and k change: γ, and the nearest-neighbour distance.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Every run of the reproduction.
+    """
     studies = (
         ("time step", "time step dt (s)", tuple(Model)),
         ("distance scale δ", "distance scale δ (m)", (Model.VELOCITY, Model.POSITION)),
@@ -209,7 +253,13 @@ def parameters(evidence: Evidence) -> Figure:
 
 @in_style
 def sensing(evidence: Evidence) -> Figure:
-    """Draw γ under noise, dropout, delay and failing agents, V-based and P-based."""
+    """Draw γ under noise, dropout, delay and failing agents, V-based and P-based.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Every run of the reproduction.
+    """
     both = ((Model.VELOCITY, None), (Model.POSITION, None))
     noise_label = "position noise σ (m)"
     studies: tuple[tuple[str, str, tuple[tuple[Model, str | None], ...]], ...] = (
@@ -244,7 +294,13 @@ def sensing(evidence: Evidence) -> Figure:
 
 @in_style
 def three_dimensions(evidence: Evidence) -> Figure:
-    """Draw γ over time in three dimensions, the three models."""
+    """Draw γ over time in three dimensions, the three models.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Every run of the reproduction.
+    """
     figure = new_figure(3.5, 2.4)
     axes = figure.subplots()
     for variation, measures in evidence.variations:

@@ -29,7 +29,7 @@ class Reproduction:
     judgements : list of Judgement
         Every claim, judged.
     paths : list of Path
-        The files.
+        Figures, tables and ``claims.md``.
     """
 
     evidence: Evidence
@@ -111,7 +111,15 @@ def reproduce(
 
 
 def claims_page(judgements: list[Judgement], evidence: Evidence) -> str:
-    """Return ``claims.md``: a table of verdicts, then each claim with its test and reason."""
+    """Return ``claims.md``: a table of verdicts, then each claim with its test and reason.
+
+    Parameters
+    ----------
+    judgements : list of Judgement
+        What became of each claim.
+    evidence : Evidence
+        Every run of the reproduction.
+    """
     first, last = evidence.seeds[0], evidence.seeds[-1]
     counted = Counter(judgement.verdict for judgement in judgements)
     lines = [

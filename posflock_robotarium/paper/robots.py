@@ -39,16 +39,52 @@ class Noise:
     _rng: np.random.Generator = field(default_factory=np.random.default_rng, init=False)
 
     def reset(self, poses: Floats, time_step: float, rng: np.random.Generator) -> None:
-        """Begin a run that draws from `rng`."""
+        """Begin a run.
+
+        Parameters
+        ----------
+        poses : (3, N) array
+            Where the robots stand, m and rad; not used.
+        time_step : float
+            Duration of a step, s; not used.
+        rng : Generator
+            Where all randomness of the run is drawn from.
+        """
         self._rng = rng
 
     def actuate(self, velocities: Floats, poses: Floats, time: float) -> Floats:
-        """Return what robots drive, (2, N), for what was commanded."""
+        """Return what robots drive.
+
+        Parameters
+        ----------
+        velocities : (2, N) array
+            What was commanded, m/s and rad/s.
+        poses : (3, N) array
+            True poses, m and rad; not used.
+        time : float
+            Seconds since the start of the run; not used.
+
+        Returns
+        -------
+        (2, N) array
+            What they drive, m/s and rad/s.
+        """
         missed = self.actuation * self._rng.standard_normal(velocities.shape)
         return np.asarray(velocities * (1.0 + missed))
 
     def observe(self, poses: Floats) -> Floats:
-        """Return what tracking reports, (3, N), of true poses."""
+        """Return what tracking reports.
+
+        Parameters
+        ----------
+        poses : (3, N) array
+            True poses, m and rad.
+
+        Returns
+        -------
+        (3, N) array
+            Measured poses, m and rad.
+        """
         seen: Floats = poses.copy()
         seen[:2] += self.tracking * self._rng.standard_normal((2, poses.shape[1]))
         return seen

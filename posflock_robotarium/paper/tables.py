@@ -103,7 +103,13 @@ class Table:
 
 
 def over_seeds(evidence: Evidence) -> Table:
-    """Return median, quartiles and extremes over seeds of every quantity and model."""
+    """Return median, quartiles and extremes over seeds of every quantity and model.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Every run of the reproduction.
+    """
     rows = []
     for key, title, unit in QUANTITIES:
         cells = [_median_and_quartiles(evidence.numbers(model)[key]) for model in Model]
@@ -116,7 +122,13 @@ def over_seeds(evidence: Evidence) -> Table:
 
 
 def qualitative(evidence: Evidence) -> Table:
-    """Return the paper's Table 2 with what was measured behind each word."""
+    """Return the paper's Table 2 with what was measured behind each word.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Every run of the reproduction.
+    """
     rows = []
     for characteristic, velocity, position, key, title, unit in _QUALITATIVE:
         v, p = (
@@ -133,7 +145,13 @@ def qualitative(evidence: Evidence) -> Table:
 
 
 def varied(evidence: Evidence) -> Table:
-    """Return what every variation of a parameter or of sensing does, one row each."""
+    """Return what every variation of a parameter or of sensing does, one row each.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Every run of the reproduction.
+    """
     keys = ("gamma_settled", "gamma_end", "alignment_time", "nearest_neighbour_settled")
     titles = ["mean γ, t > 20 s", "γ at 100 s", "time to γ ≥ 0.9 (s)"]
     titles += ["nearest neighbour, t > 20 s (m)"]

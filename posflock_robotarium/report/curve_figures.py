@@ -90,7 +90,13 @@ def draw(analyses: Sequence[Analysis], folder: Path) -> list[Path]:
 
 @in_style
 def alignment(analysis: Analysis) -> Figure:
-    """Draw γ by its three estimators, and below it the share of robots that each leaves out."""
+    """Draw γ by its three estimators, and below it the share of robots that each leaves out.
+
+    Parameters
+    ----------
+    analysis : Analysis
+        What was computed of the run.
+    """
     figure = new_figure(3.5, 3.1)
     top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1])
     drawn = figures()["alignment"]
@@ -111,7 +117,13 @@ def alignment(analysis: Analysis) -> Figure:
 
 @in_style
 def distances(analysis: Analysis) -> Figure:
-    """Draw distances between robots and to the walls with the testbed's collision line."""
+    """Draw distances between robots and to the walls with the testbed's collision line.
+
+    Parameters
+    ----------
+    analysis : Analysis
+        What was computed of the run.
+    """
     figure = new_figure(3.5, 2.6)
     axes = figure.subplots()
     styles = (_STYLES[0], _STYLES[1], _DOTTED, _STYLES[3])
@@ -137,7 +149,13 @@ def distances(analysis: Analysis) -> Figure:
 
 @in_style
 def motion(analysis: Analysis) -> Figure:
-    """Draw speeds, slowest to fastest robot, and the speed of the centroid."""
+    """Draw speeds, slowest to fastest robot, and the speed of the centroid.
+
+    Parameters
+    ----------
+    analysis : Analysis
+        What was computed of the run.
+    """
     figure = new_figure(3.5, 2.4)
     axes = figure.subplots()
     t, known = analysis.recording.t, analysis.curves
@@ -188,7 +206,13 @@ def curves(analysis: Analysis, name: str) -> Figure:
 
 @in_style
 def runs(analyses: Sequence[Analysis]) -> Figure:
-    """Draw γ from motion and the closest pair of every run, their mean and 95 % interval."""
+    """Draw γ from motion and the closest pair of every run, their mean and 95 % interval.
+
+    Parameters
+    ----------
+    analyses : sequence of Analysis
+        What was computed of each run.
+    """
     figure = new_figure(7.2, 2.6)
     left, right = figure.subplots(1, 2)
     for axes, key in ((left, "gamma_motion"), (right, "smallest_distance")):

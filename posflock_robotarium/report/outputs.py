@@ -77,6 +77,18 @@ def write_curves(analyses: Sequence[Analysis], path: Path) -> Path:
     """Write every metric over time as CSV, numbers in full precision, undefined ones empty.
 
     Several runs are told apart by a first column ``run``.
+
+    Parameters
+    ----------
+    analyses : sequence of Analysis
+        What was computed of each run.
+    path : Path
+        Where the CSV file is written.
+
+    Raises
+    ------
+    OutputError
+        Where it cannot be written.
     """
     keys = list(dict.fromkeys(key for analysis in analyses for key in analysis.curves))
     several = len(analyses) > 1
@@ -98,7 +110,22 @@ def write_curves(analyses: Sequence[Analysis], path: Path) -> Path:
 
 
 def write_summary(analyses: Sequence[Analysis], comparison: Comparison | None, path: Path) -> Path:
-    """Write all numbers with units, definitions, estimators and parameters as JSON."""
+    """Write all numbers with units, definitions, estimators and parameters as JSON.
+
+    Parameters
+    ----------
+    analyses : sequence of Analysis
+        What was computed of each run.
+    comparison : Comparison or None
+        Of several runs; None for one.
+    path : Path
+        Where the JSON file is written.
+
+    Raises
+    ------
+    OutputError
+        Where it cannot be written.
+    """
     summary: dict[str, Any]
     if comparison is None:
         summary = analyses[0].summary()

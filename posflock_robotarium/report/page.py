@@ -88,6 +88,15 @@ def write_page(
 ) -> Path:
     """Write the page.
 
+    Parameters
+    ----------
+    analyses : sequence of Analysis
+        What was computed of each run.
+    path : Path
+        Where the HTML file is written.
+    comparison : Comparison, optional
+        Of several runs; None for one.
+
     Raises
     ------
     OutputError

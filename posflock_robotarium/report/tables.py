@@ -15,6 +15,11 @@ def comparison_table(comparison: Comparison) -> Iterator[str]:
     """Yield the lines of a table: a row a number, a column a run, then the mean of each label.
 
     Runs are columns up to six of them; beyond that only the means are shown.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        Runs side by side, with their labels.
     """
     several = len(comparison.analyses) > 6
     names = [] if several else [_short(analysis.name) for analysis in comparison.analyses]

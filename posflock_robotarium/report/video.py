@@ -72,7 +72,7 @@ def write_video(
     Returns
     -------
     Path
-        The film.
+        Where the film was written.
 
     Raises
     ------

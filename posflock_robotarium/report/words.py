@@ -57,6 +57,11 @@ def _significant(value: float) -> str:
 def unbroken(text: str) -> str:
     r"""Return a sentence in which no line ends between a number and its unit.
 
+    Parameters
+    ----------
+    text : str
+        Words with numbers and units in them.
+
     Examples
     --------
     >>> unbroken("93 % of 120.0 s") == "93\u00a0% of 120.0\u00a0s"

@@ -227,6 +227,11 @@ def as_package(source: bytes) -> bytes:
     """Return an ``__init__.py`` as one module that is a package lying flat.
 
     The added lines come after the docstring and ``from __future__``, where they must.
+
+    Parameters
+    ----------
+    source : bytes
+        The file's text.
     """
     tree = ast.parse(source)
     after = 0

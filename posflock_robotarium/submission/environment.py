@@ -30,7 +30,7 @@ class Environment:
     Attributes
     ----------
     python : Path
-        Its interpreter.
+        Interpreter of the environment.
     version : str
         Of that interpreter.
     libraries : dict

@@ -17,7 +17,13 @@ INSTRUCTIONS = "SUBMIT.md"
 
 
 def instructions(ready: Bundle) -> str:
-    """Return the instructions for a bundle, as Markdown."""
+    """Return the instructions for a bundle, as Markdown.
+
+    Parameters
+    ----------
+    ready : Bundle
+        What was laid out for the upload.
+    """
     size = math.ceil(ready.size / 1024)
     robots = f"{ready.robots}" if ready.robots else "as many as the script asks for"
     duration = (

@@ -12,7 +12,13 @@ from pathlib import Path
 
 
 def find_python(version: tuple[int, int]) -> Path | None:
-    """Return an interpreter of exactly that minor version, or None."""
+    """Return an interpreter of exactly that minor version, or None.
+
+    Parameters
+    ----------
+    version : (int, int)
+        Major and minor version: (3, 10).
+    """
     return installed_pythons().get(version)
 
 

@@ -49,7 +49,19 @@ class Manifest:
     def of(
         cls, files: Mapping[str, bytes], main: str, robots: int | None, duration: float | None
     ) -> Manifest:
-        """Return the manifest of `files`, by name; the rest as above."""
+        """Return the manifest of files.
+
+        Parameters
+        ----------
+        files : mapping of str to bytes
+            What each file to upload holds, by name.
+        main : str
+            Name of the main file.
+        robots : int or None
+            To be entered at submission; None where unknown.
+        duration : float or None
+            To be entered at submission, s; None where unknown.
+        """
         sums = {name: hashlib.sha256(files[name]).hexdigest() for name in sorted(files)}
         return cls(main, sums, robots, duration)
 
@@ -66,7 +78,12 @@ class Manifest:
 
 
 def read_manifest(folder: Path) -> Manifest:
-    """Read the manifest of the bundle in `folder`.
+    """Read the manifest of a bundle.
+
+    Parameters
+    ----------
+    folder : Path
+        The bundle's folder.
 
     Raises
     ------
@@ -95,6 +112,11 @@ def read_manifest(folder: Path) -> Manifest:
 
 def check_manifest(folder: Path) -> Manifest:
     """Read the manifest of a bundle whose files are all present and unchanged.
+
+    Parameters
+    ----------
+    folder : Path
+        The bundle's folder.
 
     Raises
     ------

@@ -11,9 +11,14 @@ PRIVATE = {"rps_compat": "_rehearsal_rps", "barrier_certificates": "_rehearsal_c
 
 
 def lay_simulator(folder: Path) -> None:
-    """Copy the simulator into `folder` under private names.
+    """Copy the simulator into a folder under private names.
 
     The bundle brings its own ``barrier_certificates`` and must find those, not the simulator's.
+
+    Parameters
+    ----------
+    folder : Path
+        Where the copies are put; it will be on Python's path.
     """
     import barrier_certificates
     import rps_compat

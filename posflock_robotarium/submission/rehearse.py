@@ -142,7 +142,7 @@ def rehearse(
     duration : float
         Seconds that are declared; then the run is interrupted.
     profile : Profile, name or path
-        The imperfections.
+        Imperfections of motors and tracking.
     seed : int
         Of everything random that is the testbed's.
     generation : int
@@ -334,6 +334,11 @@ def _empty(out: Path) -> None:
 
 def report_on(done: Rehearsal) -> Path | None:
     """Open the pose logs that came back with the report, and return its page; None without any.
+
+    Parameters
+    ----------
+    done : Rehearsal
+        What came back.
 
     Raises
     ------

@@ -36,7 +36,19 @@ class ReturnedFile:
 
 
 def bring_back(scratch: Path, out: Path, uploaded: set[str], said: str) -> list[str]:
-    """Copy what the script wrote into `out`, as the testbed returns it."""
+    """Copy what the script wrote, as the testbed returns it; return the files' names.
+
+    Parameters
+    ----------
+    scratch : Path
+        Folder in which the script ran.
+    out : Path
+        Where the files are put.
+    uploaded : set of str
+        Names of files that were there before.
+    said : str
+        What the script printed, for ``log.txt``.
+    """
     (out / "log.txt").write_text(said, encoding="utf-8")
     back = ["log.txt"]
     for path in sorted(scratch.rglob("*")):
@@ -49,7 +61,13 @@ def bring_back(scratch: Path, out: Path, uploaded: set[str], said: str) -> list[
 
 
 def describe_file(path: Path) -> ReturnedFile:
-    """Open a returned file and say what it is."""
+    """Open a returned file and say what it is.
+
+    Parameters
+    ----------
+    path : Path
+        A file that came back.
+    """
     from posflock_robotarium.flocking.errors import LogError
     from posflock_robotarium.logs.readers import read_pose_log
     from posflock_robotarium.verify.trials import read_back

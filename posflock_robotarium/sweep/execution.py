@@ -78,7 +78,15 @@ def execute(
 
 
 def batches(runs: Iterable[Run], together: int) -> list[list[Run]]:
-    """Group runs with equal parameters into batches of at most so many."""
+    """Group runs with equal parameters into batches of at most so many.
+
+    Parameters
+    ----------
+    runs : iterable of Run
+        The runs, those with equal parameters side by side.
+    together : int
+        Most runs in a batch.
+    """
     made = []
     for _, group in groupby(runs, key=lambda run: sorted(run.parameters.items())):
         alike = list(group)

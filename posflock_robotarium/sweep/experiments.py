@@ -72,6 +72,11 @@ class Experiment:
     def with_defaults(self, given: Parameters) -> dict[str, Value]:
         """Return all parameters, those given in their default's type.
 
+        Parameters
+        ----------
+        given : mapping
+            Some parameters, by name.
+
         Raises
         ------
         ParameterError
@@ -100,6 +105,11 @@ _BUILT_IN = {
 def register(experiment: Experiment) -> None:
     """Make an experiment known under its name.
 
+    Parameters
+    ----------
+    experiment : Experiment
+        What a study may name from now on.
+
     Raises
     ------
     ParameterError
@@ -113,6 +123,11 @@ def register(experiment: Experiment) -> None:
 
 def find(name: str) -> Experiment:
     """Return the experiment of a name.
+
+    Parameters
+    ----------
+    name : str
+        As a study's file names it.
 
     Raises
     ------
@@ -143,10 +158,24 @@ def _as(kind: type, name: str, value: Any) -> Value:
 
 
 def number(parameters: Parameters, name: str) -> float:
-    """Return a parameter as a float."""
+    """Return a parameter as a float.
+
+    Parameters
+    ----------
+    parameters : mapping
+        Names and values.
+    name : str
+        Which one.
+    """
     return float(parameters[name])
 
 
 def law_parameters(parameters: Parameters) -> LawParameters:
-    """Return the parameters of the flocking law, from among an experiment's."""
+    """Return the parameters of the flocking law, from among an experiment's.
+
+    Parameters
+    ----------
+    parameters : mapping
+        Names and values.
+    """
     return LawParameters(**{name: parameters[name] for name in LawParameters.__dataclass_fields__})  # type: ignore[arg-type]

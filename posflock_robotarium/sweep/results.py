@@ -31,7 +31,15 @@ _OF_MACHINE = ("seconds",)
 
 
 def finished(study: Study, store: Store) -> list[Row]:
-    """Return the rows of a study that are in the store, by combination and replication."""
+    """Return the rows of a study that are in the store, by combination and replication.
+
+    Parameters
+    ----------
+    study : Study
+        Which runs of which experiment.
+    store : Store
+        Where its runs are kept.
+    """
     rows = [
         # The place of a combination may have moved since the row was stored.
         {**store.rows[run.key], "point": run.point}
@@ -42,7 +50,15 @@ def finished(study: Study, store: Store) -> list[Row]:
 
 
 def of_other_code(study: Study, store: Store) -> int:
-    """Return how many runs in the store were computed by other code than the study's now."""
+    """Return how many runs in the store were computed by other code than the study's now.
+
+    Parameters
+    ----------
+    study : Study
+        Which runs of which experiment.
+    store : Store
+        Where its runs are kept.
+    """
     code, name = study.code, study.experiment.name
     return sum(
         row.get("code") != code and row.get("experiment") == name for row in store.rows.values()
@@ -50,7 +66,15 @@ def of_other_code(study: Study, store: Store) -> int:
 
 
 def outcomes(study: Study, rows: Sequence[Row]) -> list[str]:
-    """Return the names of what came out of the runs, without what went in."""
+    """Return the names of what came out of the runs, without what went in.
+
+    Parameters
+    ----------
+    study : Study
+        Which runs of which experiment.
+    rows : sequence of Row
+        Its runs, as the store has them.
+    """
     given = {"key", "point", "replication", "experiment", "study_seed", "version", "code"}
     given |= set(study.experiment.defaults)
     return [name for name in (rows[0] if rows else {}) if name not in given]
@@ -90,7 +114,13 @@ def summary(study: Study, rows: Sequence[Row]) -> list[Row]:
 
 
 def interval(values: Floats) -> tuple[float, float]:
-    """Return the 95 % bootstrap interval of the median, always the same for the same values."""
+    """Return the 95 % bootstrap interval of the median, always the same for the same values.
+
+    Parameters
+    ----------
+    values : (n,) array
+        One number of every run; infinite ones count, too.
+    """
     generator = np.random.default_rng(len(values))
     drawn = generator.integers(len(values), size=(_RESAMPLES, len(values)))
     # Runs that never aligned are infinite: "nearest" picks one, where others interpolate.
@@ -102,6 +132,15 @@ def interval(values: Floats) -> tuple[float, float]:
 
 def write_tables(study: Study, store: Store, folder: Path) -> list[Path]:
     """Write ``results.csv``, ``results.parquet`` and ``summary.csv``; return the paths.
+
+    Parameters
+    ----------
+    study : Study
+        Which runs of which experiment.
+    store : Store
+        Where its runs are kept.
+    folder : Path
+        Where the files are put.
 
     Raises
     ------

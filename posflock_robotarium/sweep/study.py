@@ -233,6 +233,11 @@ class Distribution:
         standard deviation; or any of a list.
     arguments : tuple
         Two numbers, or the list to choose from.
+
+    Raises
+    ------
+    StudyError
+        Where there is no such kind, or its arguments make no sense.
     """
 
     kind: str
@@ -267,7 +272,13 @@ class Distribution:
         return self.arguments if self.kind == "choice" else (0.5,)
 
     def draw(self, generator: np.random.Generator) -> Value:
-        """Draw one value."""
+        """Draw one value.
+
+        Parameters
+        ----------
+        generator : Generator
+            Where it is drawn from.
+        """
         return _DRAWS[self.kind](generator, self.arguments)
 
 

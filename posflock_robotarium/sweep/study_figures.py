@@ -65,6 +65,15 @@ UNITS = {
 def draw_study(study: Study, rows: Sequence[Row], folder: Path) -> list[Path]:
     """Draw the figures a study asks for, or the experiment's headline; return the paths.
 
+    Parameters
+    ----------
+    study : Study
+        Which runs of which experiment.
+    rows : sequence of Row
+        Its runs, as the store has them.
+    folder : Path
+        Where the files are put.
+
     Raises
     ------
     StudyError
@@ -85,7 +94,17 @@ def draw_study(study: Study, rows: Sequence[Row], folder: Path) -> list[Path]:
 
 @in_style
 def outcome_over(study: Study, rows: Sequence[Row], asked: Asked) -> Figure:
-    """Draw medians and their 95 % intervals over a grid, or every run over a distribution."""
+    """Draw medians and their 95 % intervals over a grid, or every run over a distribution.
+
+    Parameters
+    ----------
+    study : Study
+        Which runs of which experiment.
+    rows : sequence of Row
+        Its runs, as the store has them.
+    asked : Asked
+        Which outcome over which parameter.
+    """
     figure = new_figure(3.6, 2.7)
     axes = figure.subplots()
     groups = _values(study, rows, asked.by) if asked.by else [None]

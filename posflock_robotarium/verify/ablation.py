@@ -53,14 +53,35 @@ def ablate(
     limits: Limits | None = None,
     tell: Callable[[str, int, int], None] | None = None,
 ) -> list[Ablation]:
-    """Run `script` under each imperfection of a profile alone, and under all of them.
+    """Run a script under each imperfection of a profile alone, and under all of them.
 
     Parameters
     ----------
+    script : path
+        The main file; its local modules and data lie beside it.
     effects : sequence of str
         Which; all that the profile has by default.
+    trials : int
+        Runs under each.
+    profile : Profile, name or path
+        The imperfections: ``gritsbot_x``, ``harsh``, or a TOML file.
+    generation : int
+        Of the API that the testbed runs, where the script does not tell.
+    seed : int
+        First of the trials' seeds.
+    limits : Limits, optional
+        What each trial may use.
+    tell : callable, optional
+        Is told of progress: what, done, of how many.
 
-    The other parameters, and what is raised, are those of :func:`verify`.
+    Raises
+    ------
+    ParameterError
+        Where the script is not valid Python.
+    ScriptError
+        Where it cannot be read.
+    ProfileError
+        Where the profile is not one.
     """
     from posflock_robotarium.verify import trials as running
     from rps_compat.profiles import load_profile

@@ -20,7 +20,13 @@ _OPERATORS = {
 
 
 def constants_of(tree: ast.Module) -> dict[str, Any]:
-    """Return every name that is bound exactly once, to a value that can be read off."""
+    """Return every name that is bound exactly once, to a value that can be read off.
+
+    Parameters
+    ----------
+    tree : ast.Module
+        Syntax tree of the script.
+    """
     bound: dict[str, list[ast.expr | None]] = {}
     for node in ast.walk(tree):
         if isinstance(node, ast.Assign) and len(node.targets) == 1:
@@ -49,7 +55,15 @@ def constants_of(tree: ast.Module) -> dict[str, Any]:
 
 
 def constant(node: ast.expr, names: dict[str, Any]) -> Any:
-    """Return the value of an expression of constants and known names, or None."""
+    """Return the value of an expression of constants and known names, or None.
+
+    Parameters
+    ----------
+    node : ast.expr
+        An expression of the script.
+    names : dict
+        Known names and their values, as `constants_of` gives them.
+    """
     if isinstance(node, ast.Constant):
         return node.value
     if isinstance(node, ast.Name):

@@ -17,7 +17,15 @@ FATAL = (Ended.FAILED, Ended.OUT_OF_MEMORY, Ended.HUNG, Ended.DIED)
 
 
 def is_explained(error: Failure | None, known: Sequence[Finding]) -> bool:
-    """Whether an error comes from a line that the source's findings already condemn."""
+    """Whether an error comes from a line that the source's findings already condemn.
+
+    Parameters
+    ----------
+    error : Failure or None
+        The error that ended a run.
+    known : sequence of Finding
+        What the source has told already.
+    """
     lines = set() if error is None else set(error.lines)
     return any(
         finding.verdict is Verdict.FAIL
@@ -32,7 +40,19 @@ def is_explained(error: Failure | None, known: Sequence[Finding]) -> bool:
 def judge_end(
     ideal: Outcome, trials: Sequence[Outcome], known: Sequence[Finding], counted: bool
 ) -> Iterator[Finding]:
-    """Tell of crashes, hangs, endless loops."""
+    """Tell of crashes, hangs, endless loops.
+
+    Parameters
+    ----------
+    ideal : Outcome
+        The ideal run.
+    trials : sequence of Outcome
+        The runs with imperfections.
+    known : sequence of Finding
+        What the source has told already.
+    counted : bool
+        Whether the source shows that the script counts its steps.
+    """
     if ideal.ended in FATAL:
         finding = _ending(ideal, Verdict.FAIL)
         waits = ideal.ended is Ended.HUNG and any(f.code == "blocking-call" for f in known)
@@ -123,7 +143,15 @@ def _failed(
 
 
 def judge_policy(runs: Sequence[Ran], known: Sequence[Finding]) -> Iterator[Finding]:
-    """Tell of writing elsewhere, of other processes, of the network, of questions."""
+    """Tell of writing elsewhere, of other processes, of the network, of questions.
+
+    Parameters
+    ----------
+    runs : sequence of Ran
+        The ideal run and the others.
+    known : sequence of Finding
+        What the source has told already.
+    """
     advice = {
         "outside-write": "write into the working folder: only those files come back",
         "fork": "do the work in one process",

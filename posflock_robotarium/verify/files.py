@@ -50,7 +50,13 @@ _WRITING_METHODS = frozenset(["tofile", "savefig", "write_text", "write_bytes", 
 
 
 def check_files(source: Source) -> Iterator[Finding]:
-    """Files it reads: there, flat, with an ending that may be uploaded."""
+    """Check the files it reads: there, flat, with an ending that may be uploaded.
+
+    Parameters
+    ----------
+    source : Source
+        What the checks know of the script.
+    """
     written = {path for call in source.calls if (path := path_written(source, call)) is not None}
     for call, path in files_read(source):
         line = call.lineno
@@ -88,6 +94,11 @@ def files_read(source: Source) -> Iterator[tuple[ast.Call, str]]:
     """Yield the calls that read a file whose path is known, with the path.
 
     A file that the script is prepared to miss counts only where it is there.
+
+    Parameters
+    ----------
+    source : Source
+        What the checks know of the script.
     """
     prepared = _prepared_for_absence(source.tree)
     for call in source.calls:
@@ -111,7 +122,15 @@ def files_read(source: Source) -> Iterator[tuple[ast.Call, str]]:
 
 
 def writes(source: Source, call: ast.Call) -> bool:
-    """Whether a call writes a file."""
+    """Return whether a call writes a file.
+
+    Parameters
+    ----------
+    source : Source
+        What the checks know of the script.
+    call : ast.Call
+        One of the script's calls.
+    """
     name = source.called(call)
     opens = name == "open" or _opens_path(source, call)
     if (
@@ -125,7 +144,15 @@ def writes(source: Source, call: ast.Call) -> bool:
 
 
 def path_written(source: Source, call: ast.Call) -> str | None:
-    """Return the path that a call writes to, None where it writes none or the source hides it."""
+    """Return the path that a call writes to, None where it writes none or the source hides it.
+
+    Parameters
+    ----------
+    source : Source
+        What the checks know of the script.
+    call : ast.Call
+        One of the script's calls.
+    """
     if not writes(source, call):
         return None
     of_path = _opens_path(source, call) or not _is_of_a_name(call.func)
@@ -207,7 +234,15 @@ def _asks_for_a_file(test: ast.expr) -> bool:
 
 
 def catches(handler: ast.ExceptHandler, wanted: set[str]) -> bool:
-    """Whether a handler catches one of the exceptions of these names."""
+    """Return whether a handler catches one of some exceptions.
+
+    Parameters
+    ----------
+    handler : ast.ExceptHandler
+        An ``except`` with what it catches.
+    wanted : set of str
+        Names of the exceptions.
+    """
     kinds = handler.type.elts if isinstance(handler.type, ast.Tuple) else [handler.type]
     names = {kind.id for kind in kinds if isinstance(kind, ast.Name)}
     return handler.type is None or bool(names & wanted)

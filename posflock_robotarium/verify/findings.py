@@ -101,6 +101,11 @@ class Finding:
         In how many of how many trials.
     interval : (float, float), optional
         95 % confidence interval of the proportion of runs.
+
+    Raises
+    ------
+    ValueError
+        Where `code` is not a key of :data:`CODES`.
     """
 
     code: str
@@ -158,6 +163,13 @@ class Finding:
 def count(number: int, thing: str) -> str:
     """Return how many of something there are, in words.
 
+    Parameters
+    ----------
+    number : int
+        How many.
+    thing : str
+        Of what, in the singular; the plural gets an s.
+
     Examples
     --------
     >>> count(1, "file"), count(2, "file")
@@ -167,7 +179,13 @@ def count(number: int, thing: str) -> str:
 
 
 def verdict_of(findings: Iterable[Finding]) -> Verdict:
-    """Return the worst of `findings`, PASS where nothing is worse than a note."""
+    """Return the worst verdict, PASS where nothing is worse than a note.
+
+    Parameters
+    ----------
+    findings : iterable of Finding
+        What was found.
+    """
     return max([Verdict.PASS, *(finding.verdict for finding in findings)])
 
 
@@ -176,6 +194,20 @@ def wilson_interval(successes: int, trials: int, z: float = 1.959964) -> tuple[f
 
     Unlike the textbook ± it stays inside [0, 1] and says something after 0 of n: up to
     z²/(n + z²), which is 16 % after 0 of 20.  Wilson, J. Am. Stat. Assoc. 22 (1927) 209.
+
+    Parameters
+    ----------
+    successes : int
+        In how many trials it happened.
+    trials : int
+        Number of trials, 1 or more.
+    z : float
+        Quantile of the normal distribution: 1.96 for 95 %.
+
+    Raises
+    ------
+    ValueError
+        Where the numbers are no proportion.
     """
     if trials < 1 or not 0 <= successes <= trials:
         raise ValueError(f"expected 0 ≤ successes ≤ trials ≥ 1, got {successes} of {trials}")

@@ -46,7 +46,14 @@ class _Child:
 
 
 def serve(request: dict[str, Any]) -> None:
-    """Run all trials of `request`; see :mod:`posflock_robotarium.verify.trials` for its fields."""
+    """Run all trials of a request.
+
+    Parameters
+    ----------
+    request : dict
+        As :mod:`posflock_robotarium.verify.trials` writes it: what to import first, how many at a
+        time, and the plans.
+    """
     for name in request["preload"]:
         with contextlib.suppress(Exception):
             importlib.import_module(name)

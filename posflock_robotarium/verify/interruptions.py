@@ -15,7 +15,19 @@ _PICTURES = (".png", ".jpg", ".jpeg", ".gif", ".svg", ".pdf", ".tiff", ".bmp")
 def judge_data(
     ideal: Ran, interrupted: Ran | None, killed: Ran | None, known: Sequence[Finding]
 ) -> Iterator[Finding]:
-    """Tell what is left of the data when a run is ended from outside."""
+    """Tell what is left of the data when a run is ended from outside.
+
+    Parameters
+    ----------
+    ideal : Ran
+        The ideal run.
+    interrupted : Ran or None
+        A run that was interrupted on its way; None where there was none.
+    killed : Ran or None
+        A run that was killed on its way; None where there was none.
+    known : sequence of Finding
+        What the source has told already.
+    """
     written = [name for name, content in ideal.data.items() if content.readable]
     if not written or interrupted is None or not interrupted.outcome.steps:
         return

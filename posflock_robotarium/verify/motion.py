@@ -13,7 +13,15 @@ from rps_compat.running.outcome import Ended, Outcome
 
 
 def judge_collisions(ideal: Outcome, trials: Sequence[Outcome]) -> Iterator[Finding]:
-    """Tell of robots that come too close."""
+    """Tell of robots that come too close.
+
+    Parameters
+    ----------
+    ideal : Outcome
+        The ideal run.
+    trials : sequence of Outcome
+        The runs with imperfections.
+    """
     advice = (
         "keep centres at least 0.15 m apart: use a barrier certificate, with a larger safety radius"
     )
@@ -37,7 +45,15 @@ def judge_collisions(ideal: Outcome, trials: Sequence[Outcome]) -> Iterator[Find
 
 
 def judge_boundary(ideal: Outcome, trials: Sequence[Outcome]) -> Iterator[Finding]:
-    """Tell of robots outside the arena."""
+    """Tell of robots outside the arena.
+
+    Parameters
+    ----------
+    ideal : Outcome
+        The ideal run.
+    trials : sequence of Outcome
+        The runs with imperfections.
+    """
     advice = "keep robots inside: use a certificate with boundary, or smaller goals"
     first, report = _first(ideal, "boundary"), ideal.report
     if first and report:
@@ -81,7 +97,13 @@ def _proportion(code: str, trials: Sequence[Outcome], advice: str, words: str) -
 
 
 def judge_wheels(ideal: Outcome) -> Iterator[Finding]:
-    """Tell of commands beyond the wheels' limit."""
+    """Tell of commands beyond the wheels' limit.
+
+    Parameters
+    ----------
+    ideal : Outcome
+        The ideal run.
+    """
     first, report = _first(ideal, "actuator"), ideal.report
     if not first or report is None:
         return
@@ -104,7 +126,17 @@ def judge_wheels(ideal: Outcome) -> Iterator[Finding]:
 def judge_start(
     ideal: Outcome, drive: Outcome | None, known: Sequence[Finding]
 ) -> Iterator[Finding]:
-    """Tell of initial conditions that are too close, or that robots do not reach."""
+    """Tell of initial conditions that are too close, or that robots do not reach.
+
+    Parameters
+    ----------
+    ideal : Outcome
+        The ideal run.
+    drive : Outcome or None
+        A run that only drives to its initial conditions; None where there was none.
+    known : sequence of Finding
+        What the source has told already.
+    """
     gap = ideal.initial_gap
     colliding = _starts_in_collision(ideal)
     close = gap is not None and ties.short_of(gap.metres, testbed.SPACING)

@@ -19,7 +19,14 @@ _COLLISION = GTERNAL.collision_diameter + 2 * GTERNAL.collision_offset
 
 
 def write_report(report: Report, folder: Path) -> list[Path]:
-    """Write ``verify.json`` and ``verify.html`` into `folder` and return their paths.
+    """Write ``verify.json`` and ``verify.html`` and return their paths.
+
+    Parameters
+    ----------
+    report : Report
+        What is written.
+    folder : Path
+        Where; made if it is not there.
 
     Raises
     ------
@@ -39,7 +46,13 @@ def write_report(report: Report, folder: Path) -> list[Path]:
 
 
 def html(report: Report) -> str:
-    """Return the report as one self-contained page."""
+    """Return the report as one self-contained page.
+
+    Parameters
+    ----------
+    report : Report
+        What the page shows.
+    """
     from jinja2 import Environment, PackageLoader
 
     environment = Environment(

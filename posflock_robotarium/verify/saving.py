@@ -16,7 +16,13 @@ from posflock_robotarium.verify.source import Source, is_call_to
 
 
 def check_saving(source: Source) -> Iterator[Finding]:
-    """Look for data that would be lost if the run were ended from outside."""
+    """Look for data that would be lost if the run were ended from outside.
+
+    Parameters
+    ----------
+    source : Source
+        What the checks know of the script.
+    """
     if not source.stepping_loops:
         return
     last = max(statement.end_lineno or statement.lineno for statement in _driving(source))

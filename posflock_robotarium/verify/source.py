@@ -28,6 +28,8 @@ class Source:
         Of the testbed's API that it is to run on, 1 or 2.
     search : tuple of Path
         Where local modules may lie, besides its own folder.
+    names : dict
+        Names that are bound once to a value that can be read off, and the values.
     """
 
     script: Script
@@ -67,11 +69,22 @@ class Source:
         """Return the dotted path of what is called, as ``numpy.load``; empty if unknown.
 
         Python's own functions go by their bare names.
+
+        Parameters
+        ----------
+        call : ast.Call
+            One of the script's calls.
         """
         return self.program.path_of(call.func).removeprefix("builtins.")
 
     def constructs(self, call: ast.Call) -> bool:
-        """Whether a call is one of Robotarium's constructor."""
+        """Return whether a call is one of Robotarium's constructor.
+
+        Parameters
+        ----------
+        call : ast.Call
+            One of the script's calls.
+        """
         return constructor_arguments(self.program, call) is not None
 
     @cached_property
@@ -169,7 +182,17 @@ def _steps(node: ast.AST, stepping: Set[str], known: frozenset[str]) -> bool:
 
 
 def is_call_to(node: ast.AST, names: Set[str], known: frozenset[str]) -> bool:
-    """Whether a node calls a function of one of these names, or a method of a known owner."""
+    """Return whether a node calls one of some functions, or such a method of a known owner.
+
+    Parameters
+    ----------
+    node : ast.AST
+        Any node of the script.
+    names : set of str
+        Names of the functions and methods.
+    known : frozenset of str
+        Names of the owners.
+    """
     if not isinstance(node, ast.Call):
         return False
     func = node.func

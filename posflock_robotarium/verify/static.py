@@ -46,7 +46,16 @@ _BLOCKING = {
 def check_source(
     script: Path, generation: int = 2, search: tuple[Path, ...] = ()
 ) -> tuple[list[Finding], Source | None]:
-    """Return all that the source of `script` says, and the source itself where it parses.
+    """Return all that a script's source says, and the source itself where it parses.
+
+    Parameters
+    ----------
+    script : Path
+        The script's file.
+    generation : int
+        Of the API: 1 or 2.
+    search : tuple of Path
+        Further folders with local modules.
 
     Raises
     ------
@@ -73,7 +82,13 @@ def _unreadable(error: UnreadableError) -> Finding:
 
 
 def check_names(source: Source) -> Iterator[Finding]:
-    """Names and syntax that the testbed's Python, libraries or generation of the API has not."""
+    """Check names and syntax: the testbed's Python, libraries and generation have them.
+
+    Parameters
+    ----------
+    source : Source
+        What the checks know of the script.
+    """
     for use in source.uses:
         if use.follows or use.ready or isinstance(use.entry, Absent):
             continue  # imports of absent libraries are told of with all others
@@ -105,7 +120,13 @@ def _named(source: Source, use: Use, verdict: Verdict) -> Finding:
 
 
 def check_imports(source: Source) -> Iterator[Finding]:
-    """Libraries the testbed lacks, files that are missing or must be uploaded, hidden names."""
+    """Check imports: libraries that the testbed has, files to be uploaded, hidden names.
+
+    Parameters
+    ----------
+    source : Source
+        What the checks know of the script.
+    """
     try:
         trace = source.trace
     except ScriptError as error:
@@ -199,7 +220,13 @@ def _missing(source: Source, missing: import_graph.Missing) -> Finding:
 
 
 def check_robots(source: Source) -> Iterator[Finding]:
-    """Count the robots asked for."""
+    """Count the robots asked for.
+
+    Parameters
+    ----------
+    source : Source
+        What the checks know of the script.
+    """
     for call in source.calls:
         if not source.constructs(call):
             continue
@@ -210,7 +237,13 @@ def check_robots(source: Source) -> Iterator[Finding]:
 
 
 def check_finishing(source: Source) -> Iterator[Finding]:
-    """Look for the call that ends an experiment."""
+    """Look for the call that ends an experiment.
+
+    Parameters
+    ----------
+    source : Source
+        What the checks know of the script.
+    """
     made = [call for call in source.calls if source.constructs(call)]
     if not made:
         return
@@ -233,7 +266,13 @@ def check_finishing(source: Source) -> Iterator[Finding]:
 
 
 def check_blocking(source: Source) -> Iterator[Finding]:
-    """Look for calls that wait for somebody who is not there, and for sleeps."""
+    """Look for calls that wait for somebody who is not there, and for sleeps.
+
+    Parameters
+    ----------
+    source : Source
+        What the checks know of the script.
+    """
     in_loops = {call for loop in source.stepping_loops for call in ast.walk(loop)}
     for call in source.calls:
         name = source.called(call)

@@ -17,7 +17,15 @@ _COLOURS = {Verdict.PASS: "green", Verdict.RISK: "yellow", Verdict.FAIL: "red", 
 
 
 def print_report(report: Report, console: Console) -> None:
-    """Print verdict, figures and findings."""
+    """Print verdict, figures and findings.
+
+    Parameters
+    ----------
+    report : Report
+        What is printed.
+    console : Console
+        Where.
+    """
     from rich.markup import escape
     from rich.table import Table
 
@@ -48,7 +56,13 @@ def print_report(report: Report, console: Console) -> None:
 
 
 def figure_lines(report: Report) -> list[tuple[str, str]]:
-    """Return the figures of a report in words, each with its name."""
+    """Return the figures of a report in words, each with its name.
+
+    Parameters
+    ----------
+    report : Report
+        What verify found, with the ideal run if there was one.
+    """
     found = report.figures()
     if not found:
         return []
@@ -103,7 +117,15 @@ def _declared(declared: float | None, longest: float) -> str:
 
 
 def print_ablation(rows: Sequence[Ablation], console: Console) -> None:
-    """Print how a script fares under each imperfection alone."""
+    """Print how a script fares under each imperfection alone.
+
+    Parameters
+    ----------
+    rows : sequence of Ablation
+        One an imperfection, and one of all of them.
+    console : Console
+        Where.
+    """
     from rich.table import Table
 
     table = Table(box=None, padding=(0, 2, 0, 0))

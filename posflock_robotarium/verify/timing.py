@@ -14,7 +14,15 @@ _LATE = 0.1
 
 
 def judge_loop(ideal: Outcome, known: Sequence[Finding]) -> Iterator[Finding]:
-    """Tell of loops that take too long, and of robots that have no new command for too long."""
+    """Tell of loops that take too long, and of robots that have no new command for too long.
+
+    Parameters
+    ----------
+    ideal : Outcome
+        The ideal run.
+    known : sequence of Finding
+        What the source has told already.
+    """
     loop = ideal.loop
     # A sleep that the source shows is not told twice; what the loop takes besides is.
     slept = [f.figure or 0.0 for f in known if f.code in ("slow-sleep", "watchdog")]
@@ -57,7 +65,17 @@ def judge_loop(ideal: Outcome, known: Sequence[Finding]) -> Iterator[Finding]:
 
 
 def judge_duration(ideal: Outcome, declared: float | None, counted: bool) -> Iterator[Finding]:
-    """Tell of a run that does not fit its duration."""
+    """Tell of a run that does not fit its duration.
+
+    Parameters
+    ----------
+    ideal : Outcome
+        The ideal run.
+    declared : float or None
+        Duration that will be declared, s; None where it is not known.
+    counted : bool
+        Whether the source shows that the script counts its steps.
+    """
     least, median, most = testbed.INITIAL_DRIVE
     allowed = min(declared or testbed.MAX_DURATION, testbed.MAX_DURATION)
     of = f"the {allowed:.0f} s that {'are declared' if declared else 'any experiment has'}"
@@ -95,6 +113,12 @@ def judge_duration(ideal: Outcome, declared: float | None, counted: bool) -> Ite
 
 
 def recommended_duration(run: float) -> float:
-    """Return the duration to declare for a run of so many seconds: the slowest drive fits."""
+    """Return the duration to declare, s: the slowest drive to the start fits.
+
+    Parameters
+    ----------
+    run : float
+        How long the run itself takes, s.
+    """
     tens = -ties.whole(-(run + testbed.INITIAL_DRIVE[2]) / 10)
     return float(min(testbed.MAX_DURATION, 10 * tens))

@@ -21,7 +21,13 @@ OUTCOME, PRINTED = "outcome.json", "printed.txt"
 
 
 def run_trial(plan: RunPlan) -> None:
-    """Run the trial in this process, which it uses up; leave its outcome where it is watched."""
+    """Run the trial in this process, which it uses up; leave its outcome where it is watched.
+
+    Parameters
+    ----------
+    plan : RunPlan
+        What is run, and where it is watched.
+    """
     assert plan.watched is not None
     watched = Path(plan.watched)
     printed = os.open(watched / PRINTED, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)

@@ -81,7 +81,19 @@ class Ran:
 
 @dataclass(frozen=True)
 class Readable:
-    """Whether a data file can be read back, and how much is in it."""
+    """Whether a data file can be read back, and how much is in it.
+
+    Attributes
+    ----------
+    size : int
+        Bytes.
+    readable : bool
+        Whether its reader opens it.
+    values : int
+        How many numbers or rows are in it.
+    digest : str
+        SHA-256 of its bytes; empty where it cannot be read.
+    """
 
     size: int
     readable: bool
@@ -112,7 +124,13 @@ class ForkServer:
             self._process = None
 
     def ask(self, request: dict[str, Any]) -> Iterator[Outcome]:
-        """Yield the outcome of each trial of `request` when it is done."""
+        """Yield the outcome of each trial when it is done.
+
+        Parameters
+        ----------
+        request : dict
+            What `serve` takes.
+        """
         if self._process is None or self._process.poll() is not None:
             self._process = self._start()
         process = self._process
@@ -153,7 +171,7 @@ class TrialRoom:
     Parameters
     ----------
     source : Source
-        The script.
+        The script that is tried, with what it needs beside it.
     generation : int
         Of the API to run it under.
     limits : Limits
@@ -201,7 +219,7 @@ class TrialRoom:
             How the robots come to their initial conditions.
         seed : int
             Of everything random.
-        moments
+        **moments
             When it ends, as `RunPlan` has it: longest, interrupt_at, kill_at, only_start.
         """
         scratch, watched = self._folder / name / "scratch", self._folder / name / "watched"
@@ -233,7 +251,15 @@ class TrialRoom:
     def run(
         self, plans: Sequence[RunPlan], tell: Callable[[Outcome], None] | None = None
     ) -> list[Ran]:
-        """Run the trials, several at a time, and return them in the order of `plans`."""
+        """Run trials, several at a time, and return them in the order of their plans.
+
+        Parameters
+        ----------
+        plans : sequence of RunPlan
+            One a trial, as `plan` made them.
+        tell : callable, optional
+            Is told of each outcome when it is there.
+        """
         preload = [m for top in sorted(self.source.trace.libraries) for m in _PRELOAD.get(top, [])]
         request = {
             "preload": [
@@ -274,7 +300,15 @@ def _lost(plan: RunPlan) -> Outcome:
 
 
 def lay_out(source: Source, scratch: Path) -> None:
-    """Copy the script, its local modules and the data beside it into `scratch`."""
+    """Copy the script, its local modules and the data beside it into a folder.
+
+    Parameters
+    ----------
+    source : Source
+        The script, with what it needs beside it.
+    scratch : Path
+        Folder in which it will run.
+    """
     home = source.path.resolve().parent
     shutil.copyfile(source.path, scratch / source.path.name)
     for local in source.trace.locals:
@@ -292,7 +326,13 @@ def lay_out(source: Source, scratch: Path) -> None:
 
 
 def read_back(path: Path) -> Readable:
-    """Open a data file as its reader would, and count what is in it."""
+    """Open a data file as its reader would, and count what is in it.
+
+    Parameters
+    ----------
+    path : Path
+        A file that the script has written.
+    """
     size = path.stat().st_size
     try:
         digest = hashlib.sha256(path.read_bytes()).hexdigest()
@@ -325,9 +365,14 @@ def _content(path: Path) -> tuple[bool, int]:
 
 
 def robots_and_seconds(script: Path) -> tuple[int | None, float | None]:
-    """Run `script` once in the ideal simulator and return its number of robots and its length.
+    """Run a script once in the ideal simulator; return its number of robots and its length in s.
 
     Both are None where it does not run to its end.
+
+    Parameters
+    ----------
+    script : Path
+        The script's file.
     """
     from posflock_robotarium.verify import static
     from rps_compat.scripts.evidence import evidence_of

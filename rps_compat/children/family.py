@@ -140,7 +140,13 @@ class Family:
             self.begin(self._above.of_fork(number, names.identity()).or_similar())
 
     def record(self, recording: Recording) -> None:
-        """Let `recording` keep what the instances of this child do."""
+        """Let a recording keep what the instances of this child do.
+
+        Parameters
+        ----------
+        recording : Recording
+            Makes the watch of each instance; it gets its names and records from here.
+        """
         recording.name, recording.open_record = self._name_of_logs, self._open_record
         self._recording = recording
         self._session.recorder, self._session.created = recording.watch, recording.created
@@ -224,7 +230,15 @@ class Family:
         self.end(*_ending(getattr(sys, "last_value", None)))
 
     def end(self, how: str, reason: str) -> None:
-        """Close what this child keeps; a second call changes nothing."""
+        """Close what this child keeps; a second call changes nothing.
+
+        Parameters
+        ----------
+        how : str
+            How the process ended, in the words of `Outcome.ended`.
+        reason : str
+            Why, in words; may be empty.
+        """
         if self._ended or self._name is None or not self._room.is_dir():
             return
         self._ended = True
@@ -235,7 +249,17 @@ class Family:
         written.replace(written.with_suffix(".end"))
 
     def leave(self, how: str, reason: str, exit_code: int) -> NoReturn:
-        """End a fork of the script's process that has come to the script's end, as Python would."""
+        """End a fork of the script's process that has come to the script's end, as Python would.
+
+        Parameters
+        ----------
+        how : str
+            How the process ended, in the words of `Outcome.ended`.
+        reason : str
+            Why, in words; may be empty.
+        exit_code : int
+            What the process ends with.
+        """
         self.end(how, reason)
         with contextlib.suppress(Exception):
             atexit._run_exitfuncs()

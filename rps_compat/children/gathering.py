@@ -27,7 +27,7 @@ class Children:
     reports
         One for each instance, by process and in the order of their making.
     files
-        Their logs.
+        Logs that they have written.
     notes
         What the reports do not tell.
     """
@@ -38,7 +38,13 @@ class Children:
 
 
 def gather(room: Path) -> Children:
-    """Read the records in `room`."""
+    """Read the records of a run.
+
+    Parameters
+    ----------
+    room : Path
+        Folder of the run's records.
+    """
     reports: list[RunReport] = []
     files: list[Path] = []
     notes: list[str] = []
@@ -67,7 +73,13 @@ def gather(room: Path) -> Children:
 
 
 def terminate(room: Path) -> None:
-    """End the processes that have records in `room` and still run; let them close these."""
+    """End the processes that have records and still run; let them close these.
+
+    Parameters
+    ----------
+    room : Path
+        Folder of the run's records.
+    """
     ending = [process for process in room.glob("*.process") if _goes_on(process)]
     for process in ending:
         with contextlib.suppress(OSError, ValueError):

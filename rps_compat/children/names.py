@@ -43,18 +43,38 @@ class Name:
     identity: tuple[int, ...] = ()
 
     def of_multiprocessing(self, identity: tuple[int, ...]) -> "Name":
-        """Name a process that `multiprocessing` has started below this one."""
+        """Name a process that `multiprocessing` has started below this one.
+
+        Parameters
+        ----------
+        identity : tuple of int
+            What `multiprocessing` calls it, ``Process._identity``.
+        """
         own = identity[len(self.identity) :]
         numbers = ".".join(map(str, own))
         text = numbers if self.identity else f"process-{numbers}"
         return Name(_below(self.text, text), self.entropy + own, identity)
 
     def of_fork(self, number: int, identity: tuple[int, ...]) -> "Name":
-        """Name the process that was the `number`-th that this one forked by itself."""
+        """Name a process that this one forked by itself.
+
+        Parameters
+        ----------
+        number : int
+            The how manieth it is, from 1.
+        identity : tuple of int
+            What `multiprocessing` calls the forking process.
+        """
         return Name(_below(self.text, f"fork-{number}"), (*self.entropy, 0, number), identity)
 
     def of_script(self, script: str) -> "Iterator[Name]":
-        """Name a process of the run that runs another `script`: the first one, the second, ..."""
+        """Name a process of the run that runs another script: the first one, the second, ...
+
+        Parameters
+        ----------
+        script : str
+            The script's path; may be empty.
+        """
         stem = re.sub(r"\W", "_", Path(script).stem) or "python"
         return (Name(f"{stem}-{number}", (0, 0, number)) for number in count(1))
 
@@ -71,7 +91,20 @@ def _below(above: str, name: str) -> str:
 
 
 def claim(room: Path, candidates: Iterator[Name]) -> Name:
-    """Take the first of some names for this process that no other process has."""
+    """Take for this process the first name that no other process has.
+
+    Parameters
+    ----------
+    room : Path
+        Folder of the run's records.
+    candidates : iterator of Name
+        Names to try; endless.
+
+    Raises
+    ------
+    AssertionError
+        If the candidates end.
+    """
     for name in candidates:
         try:
             place = os.open(room / f"{name.text}.process", os.O_CREAT | os.O_EXCL | os.O_WRONLY)
@@ -102,6 +135,11 @@ def keep_error(errors: list[BaseException]) -> None:
     """Have the error put into `errors` by which the work of `multiprocessing` ends, if one does.
 
     Before Python 3.13 it can be seen when the process ends, and nothing needs to be done.
+
+    Parameters
+    ----------
+    errors : list of exception
+        Where the error is put.
     """
     process = _multiprocessing()
     if "_exit_function" in type(process)._bootstrap.__code__.co_names:
@@ -129,6 +167,13 @@ def seed_generators(seed: int | None, entropy: tuple[int, ...] = ()) -> None:
     """Seed Python's and numpy's global generators, unless the run has no seed.
 
     Generators that the process makes without a seed have others than those of its parent.
+
+    Parameters
+    ----------
+    seed : int or None
+        Seed of the run.
+    entropy : tuple of int
+        What tells this process from the others of the run.
     """
     if seed is None:
         return

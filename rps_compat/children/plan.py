@@ -78,7 +78,13 @@ class Plan:
 
 
 def hand_on(*guests: Any) -> tuple[str, str]:
-    """Return `handed` and `lost` of a plan for a profile and what opens logs."""
+    """Return `handed` and `lost` of a plan for a profile and what opens logs.
+
+    Parameters
+    ----------
+    *guests : object
+        What is handed on; anything that can be pickled.
+    """
     try:
         return base64.b64encode(pickle.dumps(guests)).decode(), ""
     except Exception as error:  # whatever a user's object raises when it is pickled

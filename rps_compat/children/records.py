@@ -52,11 +52,23 @@ class Instance:
 
     @classmethod
     def read(cls, path: Path) -> "Instance":
-        """Read what :meth:`write` has written."""
+        """Read what :meth:`write` has written.
+
+        Parameters
+        ----------
+        path : Path
+            A file ``NAME.instance`` in the folder of the run's records.
+        """
         return cls(**json.loads(path.read_text("utf-8")))
 
     def write(self, room: Path) -> None:
-        """Leave this in the folder of the run's records."""
+        """Leave this in the folder of the run's records.
+
+        Parameters
+        ----------
+        room : Path
+            Folder of the run's records.
+        """
         (room / f"{self.name}.instance").write_text(json.dumps(asdict(self)), "utf-8")
 
 
@@ -79,11 +91,23 @@ class InstanceRecord:
         self._places: dict[int, int] = {}
 
     def update(self, arena: Arena) -> None:
-        """Take note of the step that `arena` is about to do, and of what is wrong before it."""
+        """Take note of the step that the arena is about to do, and of what is wrong before it.
+
+        Parameters
+        ----------
+        arena : Arena
+            Of the instance that is recorded.
+        """
         self._write(arena, arena.steps + 1)
 
     def close(self, arena: Arena) -> None:
-        """Take note of `arena` as it is, with the end of every fault."""
+        """Take note of the arena as it is, with the end of every fault.
+
+        Parameters
+        ----------
+        arena : Arena
+            Of the instance that is recorded.
+        """
         self._counted = ()
         self._write(arena, arena.steps, over=True)
         self._file.close()
@@ -132,7 +156,15 @@ class Record:
 
     @classmethod
     def read(cls, room: Path, instance: Instance) -> "Record":
-        """Read the record of `instance`."""
+        """Read what an instance has left.
+
+        Parameters
+        ----------
+        room : Path
+            Folder of the run's records.
+        instance : Instance
+            Whose record it is.
+        """
         content = (room / f"{instance.name}.steps").read_bytes()
         if len(content) < _HEAD.size:  # it never made a step
             return cls(0, 0.0, Violations(), over=False)

@@ -24,9 +24,18 @@ ENDED_BY_ALARM = 142
 
 
 class Alarm(Wait):
-    """A signal that is due after `seconds`, and then every `interval` seconds if that is not 0.
+    """A signal that is due at a simulated time, and then again and again, if asked.
 
     For the scheduler it is a wait like others, with a deadline; nobody waits in it.
+
+    Parameters
+    ----------
+    clock : SimulatedClock
+        Whose time it is.
+    seconds : float
+        Simulated time until it is due, s.
+    interval : float
+        Simulated time from then to the next, s; 0 for none.
     """
 
     def __init__(self, clock: SimulatedClock, seconds: float, interval: float) -> None:
@@ -67,7 +76,22 @@ def _handler_runs(ident: int | None) -> bool:
 
 
 def setitimer(which: int, seconds: float, interval: float = 0.0, /) -> Any:
-    """Stand in for ``signal.setitimer``."""
+    """Stand in for ``signal.setitimer``.
+
+    Parameters
+    ----------
+    which : int
+        Which of the system's timers; all but ``ITIMER_REAL`` stay real.
+    seconds : float
+        Simulated time until the signal, s; 0 for none.
+    interval : float
+        Simulated time to the next ones, s; 0 for none.
+
+    Raises
+    ------
+    ItimerError
+        If a time is negative.
+    """
     clock = clock_in_force()
     if clock is None or which != signal.ITIMER_REAL:
         return real.setitimer(which, seconds, interval)
@@ -81,7 +105,13 @@ def setitimer(which: int, seconds: float, interval: float = 0.0, /) -> Any:
 
 
 def getitimer(which: int, /) -> Any:
-    """Stand in for ``signal.getitimer``."""
+    """Stand in for ``signal.getitimer``.
+
+    Parameters
+    ----------
+    which : int
+        Which of the system's timers; all but ``ITIMER_REAL`` stay real.
+    """
     clock = clock_in_force()
     if clock is None or which != signal.ITIMER_REAL:
         return real.getitimer(which)
@@ -90,7 +120,13 @@ def getitimer(which: int, /) -> Any:
 
 
 def alarm(seconds: int, /) -> int:
-    """Stand in for ``signal.alarm``."""
+    """Stand in for ``signal.alarm``.
+
+    Parameters
+    ----------
+    seconds : int
+        Simulated time until the signal, s; 0 for none.
+    """
     if clock_in_force() is None:
         return int(real.alarm(seconds))
     left: float = setitimer(signal.ITIMER_REAL, seconds)[0]

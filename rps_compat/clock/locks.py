@@ -81,7 +81,15 @@ class Lock:
         self.locked = self._lock.locked
 
     def acquire(self, blocking: bool = True, timeout: float = -1) -> bool:
-        """Take the lock; return whether it was to be had within `timeout` seconds."""
+        """Take the lock; return whether it was to be had.
+
+        Parameters
+        ----------
+        blocking : bool
+            Whether to wait for it.
+        timeout : float
+            How long at most, s of simulated time; −1 for no limit.
+        """
         lock, queue = self._lock, self._queue
         if timeout != -1 and not (blocking and timeout >= 0):
             return lock.acquire(blocking, timeout)  # raises what is wrong with that
@@ -115,7 +123,15 @@ class RLock(real.reentrant_lock):  # type: ignore[misc]
         self._queue = _Queue()
 
     def acquire(self, blocking: bool = True, timeout: float = -1) -> bool:
-        """Take the lock; return whether it was to be had within `timeout` seconds."""
+        """Take the lock; return whether it was to be had.
+
+        Parameters
+        ----------
+        blocking : bool
+            Whether to wait for it.
+        timeout : float
+            How long at most, s of simulated time; −1 for no limit.
+        """
         take, queue = super().acquire, self._queue
         if timeout != -1 and not (blocking and timeout >= 0):
             return bool(take(blocking, timeout))  # raises what is wrong with that

@@ -41,7 +41,13 @@ def _is_inside(key: selectors.SelectorKey) -> bool:
 
 
 def selector_function(kind: type[selectors.BaseSelector]) -> Callable[..., Any]:
-    """Make the stand-in for ``select`` of one class of selectors."""
+    """Make the stand-in for ``select`` of one class of selectors.
+
+    Parameters
+    ----------
+    kind : class
+        A class of `selectors`.
+    """
     original = real.selector_waits[kind]
 
     def select(self: Any, timeout: float | None = None) -> Any:
@@ -71,7 +77,15 @@ def selector_function(kind: type[selectors.BaseSelector]) -> Callable[..., Any]:
 
 
 def select(reads: Any, writes: Any, errors: Any, timeout: float | None = None, /) -> Any:
-    """Stand in for ``select.select``."""
+    """Stand in for ``select.select``.
+
+    Parameters
+    ----------
+    reads, writes, errors : iterable
+        Descriptors, as for ``select.select``.
+    timeout : float, optional
+        How long at most, s; None for no limit.
+    """
     clock = clock_of_this_thread()
     if clock is None:
         return real.select_select(reads, writes, errors, timeout)
@@ -104,7 +118,13 @@ class Poll:
         self.unregister = self._poll.unregister
 
     def poll(self, timeout: float | None = None) -> Any:
-        """Wait for descriptors, up to so many milliseconds."""
+        """Wait for descriptors.
+
+        Parameters
+        ----------
+        timeout : float, optional
+            How long at most, milliseconds; None for no limit.
+        """
         clock = clock_of_this_thread()
         if clock is None or timeout == 0:
             return self._poll.poll(timeout)
@@ -164,7 +184,15 @@ def poll(self: subprocess.Popen[Any]) -> int | None:
 
 
 def waitpid(process: int, options: int, /) -> tuple[int, int]:
-    """Stand in for ``os.waitpid``."""
+    """Stand in for ``os.waitpid``.
+
+    Parameters
+    ----------
+    process : int
+        Number of the process, as for ``os.waitpid``.
+    options : int
+        Flags, as for ``os.waitpid``.
+    """
     clock = clock_of_this_thread()
     if clock is None:
         return real.waitpid(process, options)

@@ -68,9 +68,16 @@ class Roster:
         return known
 
     def expect(self, thread: object, started_at: str) -> None:
-        """Take note that `thread` is being started: time stands still until it runs.
+        """Take note that a thread is being started: time stands still until it runs.
 
         `thread` is a `threading.Thread`, or anything that stands for one that has none.
+
+        Parameters
+        ----------
+        thread : object
+            The `threading.Thread`, or what stands for one.
+        started_at : str
+            Where the script starts it, for messages.
         """
         with self.lock:
             coming = self.starting[thread] = ScriptThread(thread, started_at)
@@ -78,7 +85,13 @@ class Roster:
             self._changed()
 
     def arrived(self, thread: object) -> None:
-        """Take note that `thread`, the running one, has begun."""
+        """Take note that the running thread has begun.
+
+        Parameters
+        ----------
+        thread : object
+            The `threading.Thread`, or what stands for one.
+        """
         with self.lock:
             coming = self.starting.pop(thread, None) or ScriptThread(thread)
             coming.arrive()
@@ -89,18 +102,36 @@ class Roster:
             self._changed()
 
     def ended(self, thread: object) -> None:
-        """Take note that `thread` is past its last line, or was never started."""
+        """Take note that a thread is past its last line, or was never started.
+
+        Parameters
+        ----------
+        thread : object
+            The `threading.Thread`, or what stands for one.
+        """
         with self.lock:
             gone = self.starting.pop(thread, None) or self.known(thread)
             if gone is not None:
                 self.forget(gone)
 
     def known(self, thread: object) -> ScriptThread | None:
-        """Return what is known of `thread`, a `threading.Thread`, if it has begun."""
+        """Return what is known of a thread, if it has begun.
+
+        Parameters
+        ----------
+        thread : object
+            The `threading.Thread`, or what stands for one.
+        """
         return next((known for known in self.threads.values() if known.thread is thread), None)
 
     def forget(self, gone: ScriptThread) -> None:
-        """Strike a thread off, and wake those who wait for its end."""
+        """Strike a thread off, and wake those who wait for its end.
+
+        Parameters
+        ----------
+        gone : ScriptThread
+            A thread that has ended.
+        """
         self.threads.pop(gone.ident or 0, None)
         self.busy.discard(gone)
         self.out.discard(gone)
@@ -112,7 +143,13 @@ class Roster:
         self.look_around()
 
     def give_wheel(self, thread: ScriptThread) -> None:
-        """Let `thread` be the one that moves time on."""
+        """Let a thread be the one that moves time on.
+
+        Parameters
+        ----------
+        thread : ScriptThread
+            The one that steps from now on.
+        """
         before, self.stepper = self.stepper, thread
         self.busy.discard(thread)
         if before.state is State.RUNNING and before.ident in self.threads:
@@ -122,12 +159,24 @@ class Roster:
                 wait.ring()
 
     def is_waited(self, wait: Wait) -> bool:
-        """Whether a thread of this process waits, or is about to, and can be woken."""
+        """Whether a thread of this process waits, or is about to, and can be woken.
+
+        Parameters
+        ----------
+        wait : Wait
+            What the thread waits in; one without a thread counts as about to.
+        """
         thread = wait.thread
         return not wait.over and (thread is None or self.threads.get(thread.ident or 0) is thread)
 
     def runs(self, thread: ScriptThread) -> None:
-        """Take note that `thread` does not wait any more; it has its turn."""
+        """Take note that a thread does not wait any more; it has its turn.
+
+        Parameters
+        ----------
+        thread : ScriptThread
+            The one whose wait is over.
+        """
         thread.state = State.RUNNING
         if thread is not self.stepper and thread not in self.busy:
             thread.begin_turn()
@@ -154,7 +203,18 @@ class Roster:
                 thread.begin_turn()
 
     def wake(self, wait: Wait) -> None:
-        """End a wait before its deadline."""
+        """End a wait before its deadline; the scheduler says how.
+
+        Parameters
+        ----------
+        wait : Wait
+            What a thread waits in, over from now on.
+
+        Raises
+        ------
+        NotImplementedError
+            Always, here.
+        """
         raise NotImplementedError
 
     def look_around(self) -> None:

@@ -151,7 +151,13 @@ class Scheduler(Roster):
             wait.block(left)
 
     def wait_for_end(self, thread: object) -> Wait | None:
-        """Return a wait that is over when `thread` has ended; None if nothing is known of it."""
+        """Return a wait that is over when a thread has ended; None if nothing is known of it.
+
+        Parameters
+        ----------
+        thread : object
+            The `threading.Thread`, or what stands for one.
+        """
         with self.lock:
             known = self.starting.get(thread) or self.known(thread)
             if known is None:
@@ -160,21 +166,41 @@ class Scheduler(Roster):
             return known.joiners[-1]
 
     def schedule(self, wait: Wait, seconds: float) -> None:
-        """End `wait` in so many seconds from now, if nothing ends it before."""
+        """Give a wait a deadline, if nothing ends it before.
+
+        Parameters
+        ----------
+        wait : Wait
+            What a thread waits in, or an alarm.
+        seconds : float
+            Simulated time from now, s.
+        """
         with self.lock:
             wait.deadline = self.elapsed + max(seconds, 0.0)
             heapq.heappush(self._deadlines, (wait.deadline, next(self._order), wait))
             self._changed()
 
     def wake(self, wait: Wait) -> None:
-        """End a wait before its deadline."""
+        """End a wait before its deadline.
+
+        Parameters
+        ----------
+        wait : Wait
+            What a thread waits in; nothing happens where it is over.
+        """
         with self.lock:
             if not wait.over:
                 wait.woken = True
                 self.woken(wait)
 
     def woken(self, wait: Wait) -> None:
-        """Let the thread of a wait that is over go on: it has its turn."""
+        """Let the thread of a wait that is over go on: it has its turn.
+
+        Parameters
+        ----------
+        wait : Wait
+            What the thread waited in.
+        """
         if wait.thread is not None and wait.thread.wait is wait:
             self.runs(wait.thread)
         self._silent_since = None
@@ -213,7 +239,13 @@ class Scheduler(Roster):
     # --- Moving time ----------------------------------------------------------------------------
 
     def move_to(self, target: float) -> None:
-        """Let the running thread, which steps, move time to `target`."""
+        """Let the running thread, which steps, move time on.
+
+        Parameters
+        ----------
+        target : float
+            Simulated time to reach, s since the start.
+        """
         me = self.me()
         with self.lock:
             if self.stepper is not me:

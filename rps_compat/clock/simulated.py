@@ -67,7 +67,15 @@ class SimulatedClock(Scheduler):
     # --- What the script calls ------------------------------------------------------------------
 
     def read(self, base: float, real_function: Callable[[], float]) -> float:
-        """Return the simulated time counted from `base`; to a thread of others the real one."""
+        """Return the simulated time; to a thread of others the real one.
+
+        Parameters
+        ----------
+        base : float
+            What the clock says at the start of the run, s.
+        real_function : callable
+            Tells the real time, s.
+        """
         if real.get_ident() in self.foreign:
             return real_function()
         me = self.me()
@@ -91,6 +99,11 @@ class SimulatedClock(Scheduler):
 
     def sleep(self, seconds: float) -> None:
         """Stand in for ``time.sleep``.
+
+        Parameters
+        ----------
+        seconds : float
+            How long, s of simulated time.
 
         Raises
         ------
@@ -121,14 +134,28 @@ class SimulatedClock(Scheduler):
             self.wait(seconds)
 
     def ask(self, reason: str) -> None:
-        """Take note that the world outside did not answer yet: it is given real time to do so."""
+        """Take note that the world outside did not answer yet: it is given real time to do so.
+
+        Parameters
+        ----------
+        reason : str
+            What was asked, in words for people.
+        """
         if real.get_ident() not in self.foreign:
             me = self.me()
             me.asks, me.reason = True, reason
             self._changed()
 
     def wait(self, timeout: float | None, wait: Wait | None = None) -> bool:
-        """Wait in simulated time; see :meth:`Scheduler.wait`."""
+        """Wait in simulated time; see :meth:`Scheduler.wait`.
+
+        Parameters
+        ----------
+        timeout : float or None
+            How long at most, s of simulated time; None for no limit.
+        wait : Wait, optional
+            What is waited for; by default nothing but the time.
+        """
         if not self.charge or real.get_ident() != self.stepper.ident:
             return super().wait(timeout, wait)
         self._count_computing()
@@ -140,9 +167,14 @@ class SimulatedClock(Scheduler):
     # --- Steps ----------------------------------------------------------------------------------
 
     def advance(self, seconds: float) -> None:
-        """Let a step of the running thread take `seconds`, from the end of the last one if charged.
+        """Let a step of the running thread take time, from the end of the last one if charged.
 
         Negative times do not pass.
+
+        Parameters
+        ----------
+        seconds : float
+            Duration of the step, s.
         """
         if self.solo:
             if seconds > 0:
@@ -175,7 +207,13 @@ class SimulatedClock(Scheduler):
         self._cpu = cpu
 
     def others_step_within(self, seconds: float) -> bool:
-        """Whether other threads of the script are there, and a step was made not long ago."""
+        """Whether other threads of the script are there, and a step was made not long ago.
+
+        Parameters
+        ----------
+        seconds : float
+            Not longer ago than this, s of simulated time.
+        """
         return len(self.threads) > 1 and self.elapsed - self.stepped < seconds
 
     # --- In force -------------------------------------------------------------------------------

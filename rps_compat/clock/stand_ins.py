@@ -52,7 +52,13 @@ def _stand_ins() -> Iterator[tuple[Any, str, Any]]:
 
 @contextlib.contextmanager
 def standing_in(clock: SimulatedClock) -> Iterator[None]:
-    """Let the process live by `clock` within the ``with`` block; blocks may be nested."""
+    """Let the process live by a clock within the ``with`` block; blocks may be nested.
+
+    Parameters
+    ----------
+    clock : SimulatedClock
+        Tells the time to all threads but those of others.
+    """
     with contextlib.ExitStack() as back:
         if alarms.can_send_alarms():
             back.enter_context(alarms.alarms_as_python_has_them())

@@ -22,13 +22,27 @@ class Stuck(BaseException):
 
     @classmethod
     def told_of(cls, threads: Iterable[ScriptThread], after: float = math.inf) -> "Stuck":
-        """Return what to raise where `threads` wait, perhaps `after` so many simulated seconds."""
+        """Return what to raise where threads wait for ever.
+
+        Parameters
+        ----------
+        threads : iterable of ScriptThread
+            Those of the script that have not ended.
+        after : float
+            Simulated time without a step, s; infinite where nothing can wake them.
+        """
         long = "" if math.isinf(after) else f"no step for {after:g} s of the run, "
         return cls(f"waits for ever: {long}{where_they_wait(threads)}")
 
 
 def line_of_the_script(frame: FrameType | None) -> str:
-    """Return ``file, line n`` of the innermost frame that belongs to the script, or nothing."""
+    """Return ``file, line n`` of the innermost frame that belongs to the script, or nothing.
+
+    Parameters
+    ----------
+    frame : frame or None
+        The innermost frame of a thread.
+    """
     while frame is not None and not frame.f_code.co_filename.endswith(_CALLERS):
         name = frame.f_code.co_filename
         if not name.startswith((_LIBRARY, _OURS, "<frozen")) or "site-packages" in name:
@@ -38,7 +52,13 @@ def line_of_the_script(frame: FrameType | None) -> str:
 
 
 def where_they_wait(threads: Iterable[ScriptThread]) -> str:
-    """Tell of each of `threads` where it waits, for a person who looks for the mistake."""
+    """Tell of each thread where it waits, for a person who looks for the mistake.
+
+    Parameters
+    ----------
+    threads : iterable of ScriptThread
+        Those of the script that have not ended.
+    """
     frames = sys._current_frames()
     told = (_told(thread, frames.get(thread.ident or 0)) for thread in threads)
     return "; ".join(filter(None, told))

@@ -12,7 +12,18 @@ from rps_compat.clock.waits import Wait
 
 
 def condition_wait(self: Any, timeout: float | None = None) -> bool:
-    """Stand in for ``threading.Condition.wait``."""
+    """Stand in for ``threading.Condition.wait``.
+
+    Parameters
+    ----------
+    timeout : float, optional
+        How long at most, s of simulated time; None for no limit.
+
+    Raises
+    ------
+    RuntimeError
+        If the thread does not hold the condition's lock.
+    """
     clock = clock_of_this_thread()
     if clock is None or (timeout is not None and timeout <= 0):
         return real.condition_wait(self, timeout)
@@ -60,7 +71,13 @@ def life(self: threading.Thread) -> None:
 
 
 def join(self: threading.Thread, timeout: float | None = None) -> None:
-    """Stand in for ``threading.Thread.join``."""
+    """Stand in for ``threading.Thread.join``.
+
+    Parameters
+    ----------
+    timeout : float, optional
+        How long at most, s of simulated time; None for no limit.
+    """
     clock = clock_of_this_thread()
     if clock is not None and self is not threading.current_thread():
         wait = clock.wait_for_end(self)
@@ -75,7 +92,17 @@ def start_new_thread(
     names: Mapping[str, Any] | None = None,
     /,
 ) -> int:
-    """Stand in for ``_thread.start_new_thread``."""
+    """Stand in for ``_thread.start_new_thread``.
+
+    Parameters
+    ----------
+    function : callable
+        What the thread does.
+    arguments : tuple
+        What it is called with.
+    names : mapping, optional
+        The same by name.
+    """
     clock = clock_of_this_thread()
     if clock is None:
         return real.start_new_thread(function, arguments, dict(names or {}))

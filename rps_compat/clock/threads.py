@@ -39,14 +39,17 @@ class State(Enum):
 class ScriptThread:
     """One thread of the script.
 
+    Parameters
+    ----------
+    thread : object
+        As Python knows it, or whatever stands for a thread that was started below `threading`.
+    started_at : str
+        Where the script started it, for messages.
+
     Attributes
     ----------
-    thread
-        As Python knows it, or whatever stands for a thread that was started below `threading`.
     ident, native
         Python's and the system's number of it; None until it runs.
-    started_at
-        Where the script started it, for messages.
     wait
         What it waits for in simulated time, if it does.
     turn
@@ -100,6 +103,13 @@ class ScriptThread:
 
         Yet no two looks see the same, since code counts on that: until time moves, each sees `look`
         seconds more than the one before, up to a thousand of them.
+
+        Parameters
+        ----------
+        elapsed : float
+            Simulated time, s.
+        look : float
+            How much a look adds, s.
         """
         self._seen = max(elapsed, min(self._seen + look, elapsed + 1000 * look))
         return self._seen
@@ -143,7 +153,13 @@ def _close(pipe: tuple[int, int]) -> None:
 
 
 def cpu_seconds(native: int | None) -> float | None:
-    """CPU time of a thread of this process by its system number; None where nobody tells."""
+    """CPU time of a thread of this process by its system number; None where nobody tells.
+
+    Parameters
+    ----------
+    native : int or None
+        The system's number of the thread.
+    """
     if native is None or sys.platform != "linux" or real.clock_gettime is None:
         return None
     try:
@@ -155,7 +171,13 @@ def cpu_seconds(native: int | None) -> float | None:
 
 
 def sleeps(native: int | None) -> bool:
-    """Whether the kernel has put a thread of this process to sleep until something happens."""
+    """Whether the kernel has put a thread of this process to sleep until something happens.
+
+    Parameters
+    ----------
+    native : int or None
+        The system's number of the thread.
+    """
     try:
         file = os.open(f"/proc/self/task/{native}/stat", os.O_RDONLY)
         try:

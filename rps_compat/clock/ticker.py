@@ -18,7 +18,13 @@ BEHIND = 1.0
 
 
 class Ticker:
-    """A thread that wakes who sleeps although nobody steps; Python's list of threads lacks it."""
+    """A thread that wakes who sleeps although nobody steps; Python's list of threads lacks it.
+
+    Parameters
+    ----------
+    scheduler : Scheduler
+        Whose threads it looks after; it does not keep it alive.
+    """
 
     def __init__(self, scheduler: Scheduler) -> None:
         self._scheduler = weakref.ref(scheduler)

@@ -26,7 +26,13 @@ def clock_of_this_thread() -> SimulatedClock | None:
 
 
 def put_in_force(clock: SimulatedClock | None) -> SimulatedClock | None:
-    """Let the process see `clock`; return the one that it saw before."""
+    """Let the process see a clock; return the one that it saw before.
+
+    Parameters
+    ----------
+    clock : SimulatedClock or None
+        The clock; None for the real one.
+    """
     global _clock
     before, _clock = _clock, clock
     return before
@@ -75,7 +81,13 @@ def perf_counter_ns() -> int:
 
 
 def sleep(seconds: float, /) -> None:
-    """Let simulated seconds pass."""
+    """Let simulated time pass.
+
+    Parameters
+    ----------
+    seconds : float
+        How long, s.
+    """
     clock = _clock
     if clock is None:
         real.sleep(seconds)
@@ -88,32 +100,70 @@ def sleep(seconds: float, /) -> None:
 
 
 def localtime(seconds: float | None = None, /) -> Any:
-    """Return the local time, by default the present one."""
+    """Return the local time, by default the present one.
+
+    Parameters
+    ----------
+    seconds : float, optional
+        Since the epoch, s.
+    """
     return real.localtime(time() if seconds is None else seconds)
 
 
 def gmtime(seconds: float | None = None, /) -> Any:
-    """Return the universal time, by default the present one."""
+    """Return the universal time, by default the present one.
+
+    Parameters
+    ----------
+    seconds : float, optional
+        Since the epoch, s.
+    """
     return real.gmtime(time() if seconds is None else seconds)
 
 
 def ctime(seconds: float | None = None, /) -> str:
-    """Return the local time as text, by default the present one."""
+    """Return the local time as text, by default the present one.
+
+    Parameters
+    ----------
+    seconds : float, optional
+        Since the epoch, s.
+    """
     return real.ctime(time() if seconds is None else seconds)
 
 
 def asctime(*moment: Any) -> str:
-    """Return a moment as text, by default the present one."""
+    """Return a moment as text, by default the present one.
+
+    Parameters
+    ----------
+    *moment : struct_time
+        One at most.
+    """
     return real.asctime(*moment or (localtime(),))
 
 
 def strftime(form: str, *moment: Any) -> str:
-    """Return a moment in the `form` asked for, by default the present one."""
+    """Return a moment as text of a given form, by default the present one.
+
+    Parameters
+    ----------
+    form : str
+        The form, as for ``time.strftime``.
+    *moment : struct_time
+        One at most.
+    """
     return real.strftime(form, *moment or (localtime(),))
 
 
 def clock_gettime(clock: int, /) -> float:
-    """Return the seconds of one of the system's clocks; those of CPU time are real."""
+    """Return the seconds of one of the system's clocks; those of CPU time are real.
+
+    Parameters
+    ----------
+    clock : int
+        Which one, such as ``time.CLOCK_MONOTONIC``.
+    """
     if clock == real.CLOCK_REALTIME:
         return time()
     if clock in real.MONOTONIC_CLOCKS:
@@ -122,14 +172,26 @@ def clock_gettime(clock: int, /) -> float:
 
 
 def clock_gettime_ns(clock: int, /) -> int:
-    """Return the nanoseconds of one of the system's clocks; those of CPU time are real."""
+    """Return the nanoseconds of one of the system's clocks; those of CPU time are real.
+
+    Parameters
+    ----------
+    clock : int
+        Which one, such as ``time.CLOCK_MONOTONIC``.
+    """
     if clock == real.CLOCK_REALTIME or clock in real.MONOTONIC_CLOCKS:
         return round(clock_gettime(clock) * 1e9)
     return int(real.clock_gettime_ns(clock))
 
 
 def now(cls: type[_datetime.datetime], tz: _datetime.tzinfo | None = None) -> _datetime.datetime:
-    """Return the present date and time, by default the local one without a zone."""
+    """Return the present date and time, by default the local one without a zone.
+
+    Parameters
+    ----------
+    tz : tzinfo, optional
+        Time zone of the answer.
+    """
     return cls.fromtimestamp(time(), tz)
 
 

@@ -22,6 +22,11 @@ class Wait:
     The thread blocks on a real lock of its own. Whoever ends the wait opens that lock; so does who
     wants the thread to look around, since it is now the one that moves time on.
 
+    Parameters
+    ----------
+    scheduler : Scheduler
+        Whose time it is.
+
     Attributes
     ----------
     deadline
@@ -65,7 +70,13 @@ class Wait:
             self._lock.release()
 
     def block(self, seconds: float = -1) -> None:
-        """Block until somebody rings, or for some real seconds."""
+        """Block until somebody rings, or for some real time.
+
+        Parameters
+        ----------
+        seconds : float
+            How long at most, s of real time; −1 for no limit.
+        """
         self._lock.acquire(True, min(seconds, threading.TIMEOUT_MAX))
 
     def ready(self) -> bool:
@@ -78,6 +89,8 @@ class PolledWait(Wait):
 
     Parameters
     ----------
+    scheduler : Scheduler
+        Whose time it is.
     watch, unwatch
         Add and remove a descriptor among those waited for.
     select
@@ -105,7 +118,13 @@ class PolledWait(Wait):
             os.write(self._pipe[1], b".")
 
     def block(self, seconds: float = -1) -> None:
-        """Block until a descriptor is ready, somebody rings, or for some real seconds."""
+        """Block until a descriptor is ready, somebody rings, or for some real time.
+
+        Parameters
+        ----------
+        seconds : float
+            How long at most, s of real time; −1 for no limit.
+        """
         bell = self._pipe[0]
         self._watch(bell)
         try:

@@ -16,7 +16,13 @@ if TYPE_CHECKING:
 
 
 def keep_apart(folder: "str | None" = None) -> "Any":
-    """Keep the script's modules and the environment's apart; our package need not run for that."""
+    """Keep the script's modules and the environment's apart; our package need not run for that.
+
+    Parameters
+    ----------
+    folder : str, optional
+        Folder of the script; by default that of the process's main file.
+    """
     before = sys.modules.get("rps_compat")
     if not hasattr(before, "install"):
         spec = PathFinder.find_spec("rps_compat", [__file__.rpartition("rps_compat")[0]])
@@ -31,7 +37,13 @@ def keep_apart(folder: "str | None" = None) -> "Any":
 
 
 def arrive(generation: int) -> None:
-    """Let ``import rps`` mean `generation` in a process whose script has imported it."""
+    """Let ``import rps`` mean a generation in a process whose script has imported it.
+
+    Parameters
+    ----------
+    generation : int
+        Of the API: 1 or 2.
+    """
     names = keep_apart()
     _run_package().install(generation=generation)
     __import__("rps")

@@ -85,7 +85,13 @@ class HiddenNames:
         self.look(sys.path)
 
     def look(self, path: "Iterable[str]") -> None:
-        """See what modules in new folders of the script on `path` hide."""
+        """See what modules in new folders of the script hide.
+
+        Parameters
+        ----------
+        path : iterable of str
+            Folders, as on ``sys.path``.
+        """
         found: set[str] = set()
         path = list(path)
         for entry in path:
@@ -187,11 +193,27 @@ class HiddenNames:
         self._lend(name)
 
     def keep_aside(self, module: "ModuleType") -> None:
-        """Take over a module of the script that stood in the place of one of ours."""
+        """Take over a module of the script that stood in the place of one of ours.
+
+        Parameters
+        ----------
+        module : module
+            The script's module.
+        """
         self._scripts.modules[module.__name__] = module
 
     def find_spec(self, name: str, path: "Any" = None, target: "Any" = None) -> "Any":
-        """Find the environment's module of a hidden name, unless the script asks for its own."""
+        """Find the environment's module of a hidden name, unless the script asks for its own.
+
+        Parameters
+        ----------
+        name : str
+            Dotted name of the module.
+        path : iterable of str or None
+            Folders of its package; None for a top-level module.
+        target : module, optional
+            Python's; nothing depends on it.
+        """
         if path is not None or name not in self.files:
             return None
         if name not in self.claimed:

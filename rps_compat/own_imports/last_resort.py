@@ -31,7 +31,17 @@ class LastResort:
             sys.meta_path.append(cls())
 
     def find_spec(self, name: str, path: "Any" = None, target: "Any" = None) -> "Any":
-        """Find a top-level module that is on no folder of ``sys.path`` any more."""
+        """Find a top-level module that is on no folder of ``sys.path`` any more.
+
+        Parameters
+        ----------
+        name : str
+            Dotted name of the module.
+        path : iterable of str or None
+            Folders of its package; None for a top-level module.
+        target : module, optional
+            Python's; nothing depends on it.
+        """
         if path is not None:
             return None
         if name in OURS:

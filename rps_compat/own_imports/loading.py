@@ -8,10 +8,17 @@ if TYPE_CHECKING:
 
 
 def after_loading(loader: "Any", then: "Callable[[ModuleType], Any]") -> None:
-    """Call `then` with the module that `loader` has loaded.
+    """Hear of it when a loader has loaded its module.
 
     Loaders that are classes, Python's own of what is built in, serve all modules and stay as they
     are.
+
+    Parameters
+    ----------
+    loader : loader
+        Of the module's spec.
+    then : callable
+        Is called with the module.
     """
     execute = getattr(loader, "exec_module", None)
     if execute is None or isinstance(loader, type):

@@ -30,7 +30,12 @@ class ScriptModules:
         self._lock = RLock()
 
     def load(self, name: str) -> "ModuleType":
-        """Import the script's module `name`, as Python would.
+        """Import a module of the script, as Python would.
+
+        Parameters
+        ----------
+        name : str
+            Its dotted name.
 
         Raises
         ------
@@ -89,7 +94,15 @@ class ScriptModules:
             self.modules[name] = left
 
     def answer(self, name: str, wanted: "Sequence[str] | None") -> "ModuleType":
-        """Answer an import statement of `name` that takes what is `wanted` from it, if anything."""
+        """Answer an import statement.
+
+        Parameters
+        ----------
+        name : str
+            Dotted name of the module.
+        wanted : sequence of str or None
+            What the statement takes from it; None or empty for the module itself.
+        """
         module = self.load(name)
         if not wanted:
             return self.modules.get(name.partition(".")[0], module)
@@ -105,7 +118,13 @@ class ScriptModules:
         return module
 
     def take(self, name: str) -> None:
-        """Take module `name`, and what lies below it, out of ``sys.modules``."""
+        """Take a module, and what lies below it, out of ``sys.modules``.
+
+        Parameters
+        ----------
+        name : str
+            Its dotted name.
+        """
         for full in [n for n in sys.modules if n == name or n.startswith(f"{name}.")]:
             self.modules[full] = sys.modules.pop(full)
 

@@ -7,24 +7,52 @@ if TYPE_CHECKING:
 
 
 class WatchedPath(list["str"]):
-    """A list that tells `look` of itself when something is added; copies of it are plain lists."""
+    """A list that tells of itself when something is added; copies of it are plain lists.
+
+    Parameters
+    ----------
+    entries : iterable of str
+        Folders.
+    look : callable
+        Is called with the list after a change.
+    """
 
     def __init__(self, entries: "Iterable[str]", look: "Callable[[Iterable[str]], None]") -> None:
         super().__init__(entries)
         self._look = look
 
     def insert(self, index: "Any", entry: str) -> None:
-        """Add a folder before another."""
+        """Add a folder before another.
+
+        Parameters
+        ----------
+        index : int
+            Place of the other.
+        entry : str
+            Path of the folder.
+        """
         super().insert(index, entry)
         self._look(self)
 
     def append(self, entry: str) -> None:
-        """Add a folder at the end."""
+        """Add a folder at the end.
+
+        Parameters
+        ----------
+        entry : str
+            Path of the folder.
+        """
         super().append(entry)
         self._look(self)
 
     def extend(self, entries: "Iterable[str]") -> None:
-        """Add folders at the end."""
+        """Add folders at the end.
+
+        Parameters
+        ----------
+        entries : iterable of str
+            Paths of the folders.
+        """
         super().extend(entries)
         self._look(self)
 

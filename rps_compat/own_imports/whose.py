@@ -31,20 +31,38 @@ _known: "dict[str, bool]" = {}
 
 
 def add_script_folder(folder: str) -> None:
-    """Take note that modules in `folder` are the script's."""
+    """Take note that modules in a folder are the script's.
+
+    Parameters
+    ----------
+    folder : str
+        The folder's path.
+    """
     if folder not in script_folders:
         script_folders.add(folder)
         _known.clear()
 
 
 def forget_script_folders(folders: "set[str]") -> None:
-    """Take note that modules in `folders` are nobody's any more."""
+    """Take note that modules in some folders are nobody's any more.
+
+    Parameters
+    ----------
+    folders : set of str
+        The folders' paths.
+    """
     script_folders.difference_update(folders)
     _known.clear()
 
 
 def is_environments(file: "str | None") -> bool:
-    """Whether a module's file or origin (None where it has none) is the environment's."""
+    """Return whether a module's file is the environment's.
+
+    Parameters
+    ----------
+    file : str or None
+        The file or origin; None where the module has none.
+    """
     if file is None or file in ("built-in", "frozen") or file.startswith("<frozen "):
         return True
     if file not in _known:
@@ -61,7 +79,13 @@ def _find_out(file: str) -> bool:
 
 
 def is_installation(folder: str) -> bool:
-    """Whether a folder on ``sys.path`` belongs to the environment."""
+    """Whether a folder on ``sys.path`` belongs to the environment.
+
+    Parameters
+    ----------
+    folder : str
+        The folder's path.
+    """
     if folder in script_folders:
         return False
     parts = folder.split(os.sep)
@@ -71,21 +95,40 @@ def is_installation(folder: str) -> bool:
 
 
 def is_environments_module(module: "ModuleType") -> bool:
-    """Whether a module is the environment's."""
+    """Whether a module is the environment's.
+
+    Parameters
+    ----------
+    module : module
+        An imported module, with or without a file.
+    """
     origin = getattr(getattr(module, "__spec__", None), "origin", None)
     return is_environments(origin or getattr(module, "__file__", None))
 
 
 def environments_module(name: str) -> "Any":
-    """Return the environment's module `name` if it is imported, else None."""
+    """Return a module of the environment if it is imported, else None.
+
+    Parameters
+    ----------
+    name : str
+        The module's name.
+    """
     module = sys.modules.get(name)
     return module if module is not None and is_environments_module(module) else None
 
 
 def is_environments_code(variables: "dict[str, Any] | None", frame: "FrameType | None") -> bool:
-    """Whether code of the environment runs, in `frame` and with these global `variables`.
+    """Return whether it is code of the environment that runs.
 
     Code that says nothing of itself, as ``exec`` runs it, is its caller's.
+
+    Parameters
+    ----------
+    variables : dict or None
+        Global variables of the code.
+    frame : frame or None
+        Where it runs.
     """
     while variables is not None or frame is not None:
         if variables is not None:
@@ -108,13 +151,25 @@ def is_environments_code(variables: "dict[str, Any] | None", frame: "FrameType |
 
 
 def is_import_system(frame: "FrameType") -> bool:
-    """Whether `frame` is part of the machinery of imports, Python's or ours."""
+    """Return whether a frame is part of the machinery of imports, Python's or ours.
+
+    Parameters
+    ----------
+    frame : frame
+        Where code runs, as ``sys._getframe`` gives it.
+    """
     name = frame.f_globals.get("__name__", "")
     return any(name == part or name.startswith(f"{part}.") for part in _IMPORT_SYSTEM)
 
 
 def find_environments(name: str) -> "Any":
-    """Find the spec of the environment's top-level module `name`; None if there is none."""
+    """Find the spec of a top-level module of the environment; None if there is none.
+
+    Parameters
+    ----------
+    name : str
+        The module's name.
+    """
     if name in OURS:
         return PathFinder.find_spec(name, [HOME])
     spec = PathFinder.find_spec(name, [e for e in sys.path if is_installation(os.path.abspath(e))])
@@ -129,7 +184,13 @@ def find_environments(name: str) -> "Any":
 
 
 def modules_in(folder: str) -> "set[str]":
-    """Names of the modules and packages in `folder`, as far as their files' names tell."""
+    """Return the names of the modules and packages in a folder, as far as files' names tell.
+
+    Parameters
+    ----------
+    folder : str
+        The folder's path.
+    """
     try:
         entries = os.listdir(folder)
     except OSError:  # not there, or a zip file; of that we look for our own names only

@@ -72,7 +72,14 @@ class Guests:
 
 
 def drive(plan: RunPlan, guests: Guests | None = None) -> Outcome:
-    """Run a script in this process as `plan` says.
+    """Run a script in this process as a plan says.
+
+    Parameters
+    ----------
+    plan : RunPlan
+        What is run, and how.
+    guests : Guests, optional
+        What a plan cannot hold: objects that take part.
 
     Raises
     ------

@@ -51,7 +51,19 @@ class OutOfTime(BaseException):
 
 @dataclass(frozen=True)
 class End:
-    """How a script ended, why in words, its exit code, and the exception; see `Outcome`."""
+    """How a script ended; see `Outcome`.
+
+    Attributes
+    ----------
+    ended : str
+        The kind of end.
+    reason : str
+        Why, in words; may be empty.
+    exit_code : int
+        What the process ends with.
+    error : Failure, optional
+        What its exception says.
+    """
 
     ended: Ended
     reason: str
@@ -60,7 +72,17 @@ class End:
 
     @classmethod
     def of(cls, ended: Ended, reason: str = "", error: Failure | None = None) -> "End":
-        """Return the end of a kind that has an exit code of its own."""
+        """Return the end of a kind that has an exit code of its own.
+
+        Parameters
+        ----------
+        ended : str
+            The kind of end.
+        reason : str
+            Why, in words.
+        error : Failure, optional
+            What its exception says.
+        """
         return cls(ended, reason, EXIT_CODES[ended], error)
 
 
@@ -79,7 +101,7 @@ def end_of(
     run
         Runs the script.
     script
-        Its file.
+        The file that `run` runs.
     limit
         What stops it.
     leftovers
@@ -138,13 +160,25 @@ def _print_traceback(error: BaseException, script: Path) -> None:
 
 
 def lasting_threads(before: set[threading.Thread]) -> list[threading.Thread]:
-    """List the threads, other than those `before`, for which Python waits at the end."""
+    """List the threads for which Python waits at the end.
+
+    Parameters
+    ----------
+    before : set of Thread
+        Threads that do not count, since they were there before the script.
+    """
     here = {*before, threading.current_thread()}
     return [thread for thread in threading.enumerate() if thread not in here and not thread.daemon]
 
 
 def wait_for_threads(before: set[threading.Thread]) -> None:
-    """Wait for the threads that a script leaves, as Python does at its end."""
+    """Wait for the threads that a script leaves, as Python does at its end.
+
+    Parameters
+    ----------
+    before : set of Thread
+        Threads that do not count, since they were there before the script.
+    """
     pools = (("concurrent.futures.thread", "_shutdown", _dismiss_threads),
              ("concurrent.futures.process", "_global_shutdown", _dismiss_processes))  # fmt: skip
     known = [(module, flag, dismiss) for name, flag, dismiss in pools
@@ -261,7 +295,13 @@ def leave(exit_code: int, before: set[threading.Thread]) -> None:
 
 
 def end_process(exit_code: int) -> NoReturn:
-    """End this process without waiting for anybody, once what was printed is out."""
+    """End this process without waiting for anybody, once what was printed is out.
+
+    Parameters
+    ----------
+    exit_code : int
+        What the process ends with.
+    """
     real.start_new_thread(lambda: (real.sleep(FLUSH), os._exit(exit_code)), ())
     for stream in (sys.stdout, sys.stderr):
         with contextlib.suppress(Exception):

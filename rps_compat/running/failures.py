@@ -13,7 +13,15 @@ _MESSAGE = 500
 
 
 def failure_of(error: BaseException, home: Path) -> Failure:
-    """Describe `error`, of a script whose files lie in the folder `home`."""
+    """Describe an exception of a script.
+
+    Parameters
+    ----------
+    error : BaseException
+        What ended the script, with its traceback.
+    home : Path
+        Folder in which the script's files lie.
+    """
     frames = [(frame.lineno, frame.filename) for frame in traceback.extract_tb(error.__traceback__)]
     if isinstance(error, SyntaxError) and error.filename:
         frames.append((error.lineno, error.filename))

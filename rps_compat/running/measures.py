@@ -48,7 +48,13 @@ class Measures:
         self._time_step = 0.0
 
     def created(self, arena: Arena) -> None:
-        """Take note of a Robotarium that the script made."""
+        """Take note of a Robotarium that the script made.
+
+        Parameters
+        ----------
+        arena : Arena
+            Where its robots stand before the first step.
+        """
         self._arenas += 1
         if self._arenas == 1:
             self.measure(0.0, arena)
@@ -56,7 +62,15 @@ class Measures:
         self.clock.resume()
 
     def step(self, time: float, arena: Arena) -> None:
-        """Take note of a step."""
+        """Take note of a step.
+
+        Parameters
+        ----------
+        time : float
+            Time of the run, s.
+        arena : Arena
+            The arena, as it is now.
+        """
         self._time_step = arena.robot.time_step
         spent = self.clock.spent()
         if self._begun:
@@ -69,11 +83,25 @@ class Measures:
         self._hear(time, arena)
 
     def after_step(self, time_step: float) -> None:
-        """Let the step's time pass; the simulator's own work is not the script's."""
+        """Let the step's time pass; the simulator's own work is not the script's.
+
+        Parameters
+        ----------
+        time_step : float
+            The step's duration, s.
+        """
         self.clock.advance(self._left)
 
     def measure(self, time: float, arena: Any) -> None:
-        """Measure the gaps between robots, and to the walls."""
+        """Measure the gaps between robots, and to the walls.
+
+        Parameters
+        ----------
+        time : float
+            Time of the run, s.
+        arena : Arena
+            The arena, as it is now.
+        """
         poses = arena.poses
         points = poses[0] + 1j * poses[1]
         if points.size > 1:
@@ -96,7 +124,13 @@ class Measures:
                 self._silent = Silence(self._silence, time)
 
     def told_in(self, outcome: Outcome) -> Outcome:
-        """Return `outcome` with what was measured."""
+        """Return an outcome with what was measured.
+
+        Parameters
+        ----------
+        outcome : Outcome
+            How the run went.
+        """
         return replace(
             outcome,
             clock=self.seconds,

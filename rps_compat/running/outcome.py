@@ -66,7 +66,7 @@ class Failure:
     type, full_type, kinds
         Name of the exception's class, the same with its module, and of all that it derives from.
     message
-        Its message.
+        What the exception says.
     line, file
         The innermost line of the script's own files that it came through; None and empty where it
         came through none.
@@ -94,7 +94,17 @@ class Failure:
 
 @dataclass(frozen=True)
 class Gap:
-    """The smallest of some distance: metres, at which time (s), of which robots."""
+    """The smallest of some distance, when and where.
+
+    Attributes
+    ----------
+    metres : float
+        The distance, m.
+    time : float
+        When, s.
+    robots : tuple of int
+        Which robots.
+    """
 
     metres: float
     time: float
@@ -124,7 +134,15 @@ class LoopTimes:
 
 @dataclass(frozen=True)
 class Silence:
-    """For how long robots drove on without a new command, and when that was, both in seconds."""
+    """How long robots drove on without a new command.
+
+    Attributes
+    ----------
+    seconds : float
+        How long, s.
+    at : float
+        When, s.
+    """
 
     seconds: float
     at: float
@@ -240,7 +258,13 @@ class Outcome:
         return self.reports[-1] if self.reports else None
 
     def faults(self, kind: str) -> list[Fault]:
-        """Return the faults of a kind, of the last Robotarium."""
+        """Return the faults of a kind, of the last Robotarium.
+
+        Parameters
+        ----------
+        kind : str
+            As in `Fault.kind`.
+        """
         return [] if self.report is None else [f for f in self.report.faults if f.kind == kind]
 
     def as_dict(self) -> dict[str, Any]:
@@ -265,7 +289,13 @@ class Outcome:
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Outcome:
-        """Return the outcome that :meth:`as_dict` gave, or JSON of it."""
+        """Return the outcome that :meth:`as_dict` gave, or JSON of it.
+
+        Parameters
+        ----------
+        data : dict
+            What it gave.
+        """
         known = {field.name for field in fields(cls)}
         values = {name: value for name, value in data.items() if name in known}
         for name, kind in _PARTS.items():
@@ -313,7 +343,13 @@ def _report(table: dict[str, Any]) -> RunReport:
 
 
 def summary(result: Outcome) -> str:
-    """Tell in a few lines how a run went and what it left: for a terminal."""
+    """Tell in a few lines how a run went and what it left: for a terminal.
+
+    Parameters
+    ----------
+    result : Outcome
+        How the run went.
+    """
     lines = [f"{result.script.name}: generation {result.generation}, {result.ended}"]
     if result.reason:
         lines[0] += f" ({result.reason})"

@@ -129,7 +129,13 @@ class RunPlan:
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> RunPlan:
-        """Return the plan that ``asdict`` gave, or JSON of it."""
+        """Return the plan that ``asdict`` gave, or JSON of it.
+
+        Parameters
+        ----------
+        data : dict
+            What it gave.
+        """
         known = {field.name for field in fields(cls)}
         plain: dict[str, Any] = {name: data[name] for name in known & data.keys()}
         for name, value in plain.items():

@@ -118,7 +118,13 @@ class Guard:
             Guard.active = before
 
     def allows(self, path: Any) -> bool:
-        """Whether the script may write there."""
+        """Whether the script may write there.
+
+        Parameters
+        ----------
+        path : path, int or None
+            Where; a number is a descriptor that is open already.
+        """
         if isinstance(path, int) or path is None:
             return True
         where = os.path.realpath(os.fsdecode(path))
@@ -127,7 +133,15 @@ class Guard:
         )
 
     def record(self, kind: str, what: str) -> None:
-        """Put on record what the script did, and which of its lines."""
+        """Put on record what the script did, and which of its lines.
+
+        Parameters
+        ----------
+        kind : str
+            As in `PolicyViolation.kind`.
+        what : str
+            What it did, in words.
+        """
         line, file = self.blame()
         violation = PolicyViolation(kind, what, line, file, self.time())
         self.violations.append(violation)

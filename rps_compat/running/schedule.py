@@ -61,7 +61,22 @@ class Schedule:
         self._pulse = None if plan.watched is None else open_pulse(Path(plan.watched))
 
     def step(self, time: float, arena: Arena) -> None:
-        """Take note of a step, and end the run if it is time."""
+        """Take note of a step, and end the run if it is time.
+
+        Parameters
+        ----------
+        time : float
+            Time of the run, s.
+        arena : Arena
+            The arena, as it is now.
+
+        Raises
+        ------
+        Enough
+            If enough of the run was seen.
+        KeyboardInterrupt
+            If the plan interrupts the run here.
+        """
         plan = self.plan
         self.steps += 1
         self.time = time
@@ -116,13 +131,25 @@ class Schedule:
 
 
 def open_pulse(folder: Path) -> mmap.mmap:
-    """Open the few shared bytes in which a run says how far it is."""
+    """Open the few shared bytes in which a run says how far it is.
+
+    Parameters
+    ----------
+    folder : Path
+        Where the file lies.
+    """
     with open(folder / "pulse", "a+b") as file:
         file.truncate(mmap.PAGESIZE)
         return mmap.mmap(file.fileno(), mmap.PAGESIZE)
 
 
 def read_pulse(pulse: mmap.mmap) -> tuple[int, float, float, float]:
-    """Return steps done, seconds of the run, and wall clock and CPU time of the last step."""
+    """Return steps done, seconds of the run, and wall clock and CPU time of the last step.
+
+    Parameters
+    ----------
+    pulse : mmap
+        What `open_pulse` opened.
+    """
     steps, time, wall, cpu = _PULSE.unpack(pulse[: _PULSE.size])
     return int(steps), float(time), float(wall), float(cpu)

@@ -69,7 +69,13 @@ class ApiName:
         return f"{self.name}()" if self.name in METHODS else self.name
 
     def stops(self, generation: int) -> bool:
-        """Whether a script stops at this name in `generation`."""
+        """Return whether a script stops at this name.
+
+        Parameters
+        ----------
+        generation : int
+            Of the API: 1 or 2.
+        """
         return generation not in self.generations
 
     @property
@@ -84,7 +90,13 @@ class ApiName:
         return f"{self.shown} is {whose}'s" if newest else f"{self.shown} is of {whose}"
 
     def remedy(self, generation: int) -> str:
-        """Return what to do about it in `generation`, in words."""
+        """Return what to do about it, in words.
+
+        Parameters
+        ----------
+        generation : int
+            Of the API: 1 or 2.
+        """
         has = f"generation {generation}"
         if not self.generations:
             return "correct the name"
@@ -105,7 +117,13 @@ class ApiName:
         return f"{has} calls it {right}{'()' if right in METHODS else ''}{shape}"
 
     def right(self, generation: int) -> str | None:
-        """Return what `generation` calls it; None where it has nothing like it."""
+        """Return what a generation calls it; None where it has nothing like it.
+
+        Parameters
+        ----------
+        generation : int
+            Of the API: 1 or 2.
+        """
         if self.role is Role.MODULE:
             return MODULES.get(self.name, (0, None))[1]
         return counterpart(self.name, generation)
@@ -135,7 +153,15 @@ def renamed_parameters(function: str, generation: int) -> dict[str, str]:
 
 
 def import_of(name: str, generation: int) -> str:
-    """Return the import by which a script of `generation` gets what a star brought before."""
+    """Return the import by which a script gets what a star brought before.
+
+    Parameters
+    ----------
+    name : str
+        What the star brought.
+    generation : int
+        Of the API: 1 or 2.
+    """
     home = handed_on(name)
     if home is None:
         module = next((m for m in API_MODULES if has(m, name, generation)), "rps.utilities")
@@ -149,13 +175,29 @@ def import_of(name: str, generation: int) -> str:
 
 
 def brings(module: str, name: str, generation: int) -> bool:
-    """Return whether the star of a module of the API brings a name in `generation`."""
+    """Return whether the star of a module of the API brings a name.
+
+    Parameters
+    ----------
+    module : str
+        Dotted name of the module.
+    name : str
+        Name without dots.
+    generation : int
+        Of the API: 1 or 2.
+    """
     found = face(module, generation)
     return found is not None and name in found.star
 
 
 def module_of_api(path: str) -> ApiName:
-    """Return what is known of a module of the API by its dotted path."""
+    """Return what is known of a module of the API.
+
+    Parameters
+    ----------
+    path : str
+        Its dotted path.
+    """
     there = frozenset(g for g in BOTH if face(path, g) is not None)
     return ApiName(path, Role.MODULE, there)
 
@@ -168,7 +210,7 @@ def member_of_api(module: str, name: str) -> ApiName:
     module : str
         Dotted path of the module.
     name : str
-        The name.
+        Name without dots.
     """
     there = {g for g in BOTH if has(module, name, g)}
     if name in OLD_FUNCTIONS and module.endswith(OLD_FUNCTIONS[name][0]):
@@ -179,7 +221,15 @@ def member_of_api(module: str, name: str) -> ApiName:
 
 
 def starred_of_api(modules: list[str], name: str) -> ApiName:
-    """Return what is known of a name that a star of one of `modules` of the API brings."""
+    """Return what is known of a name that a star of the API brings.
+
+    Parameters
+    ----------
+    modules : list of str
+        Dotted names of the modules whose stars the script takes.
+    name : str
+        Name without dots, used where no statement binds it.
+    """
     there = {g for g in BOTH if any(brings(module, name, g) for module in modules)}
     if name in OLD_FUNCTIONS and not there:
         there.add(0)
@@ -188,7 +238,13 @@ def starred_of_api(modules: list[str], name: str) -> ApiName:
 
 
 def attribute_of_api(name: str) -> ApiName | None:
-    """Return what is known of an attribute of a Robotarium; None of one that all have, or none."""
+    """Return what is known of an attribute of a Robotarium; None of one that all have, or none.
+
+    Parameters
+    ----------
+    name : str
+        What stands behind the dot.
+    """
     if name in ATTRIBUTES:
         return ApiName(name, Role.ATTRIBUTE, frozenset({1}))
     if name in NEW_ATTRIBUTES or name in ATTRIBUTES.values():
@@ -199,7 +255,13 @@ def attribute_of_api(name: str) -> ApiName | None:
 
 
 def constructor_argument(name: str) -> ApiName | None:
-    """Return what is known of a named argument of Robotarium; None of one that both have."""
+    """Return what is known of a named argument of Robotarium; None of one that both have.
+
+    Parameters
+    ----------
+    name : str
+        What stands before the equals sign.
+    """
     generations = {1, 2} if name in CONSTRUCTOR else set()
     if name in NEW_ARGUMENTS:
         generations = {2}

@@ -31,7 +31,15 @@ if TYPE_CHECKING:
 
 
 class Interpreter(Evaluator):
-    """Walks through one module and the functions that it defines."""
+    """Walks through one module and the functions that it defines.
+
+    Parameters
+    ----------
+    program : Program
+        The script and the modules beside it.
+    module : Module
+        The one to walk through.
+    """
 
     def __init__(self, program: Program, module: Module) -> None:
         super().__init__(program, module)
@@ -91,7 +99,15 @@ class Interpreter(Evaluator):
     # --- Binding ---------------------------------------------------------------------------
 
     def bind(self, target: ast.expr, values: Values) -> None:
-        """Let a target of an assignment stand for `values`."""
+        """Let the target of an assignment stand for something.
+
+        Parameters
+        ----------
+        target : ast.expr
+            A name, attribute or item, or several in a tuple or list.
+        values : frozenset
+            What it may stand for.
+        """
         if isinstance(target, ast.Name):
             self.program.values[target] |= values
             self.bind_name(target.id, values)
@@ -108,7 +124,15 @@ class Interpreter(Evaluator):
                 self.bind(part, elements(values))
 
     def bind_name(self, name: str, values: Values) -> None:
-        """Let a name of the current scope stand for `values`."""
+        """Let a name of the current scope stand for something.
+
+        Parameters
+        ----------
+        name : str
+            Name without dots; ``global`` and ``nonlocal`` are minded.
+        values : frozenset
+            What it may stand for.
+        """
         if name in self.scope.elsewhere:
             self.program.add(self.scope.elsewhere[name].ever, name, values)
             return

@@ -50,7 +50,7 @@ def called(
     function : frozenset
         What is called.
     node : ast.Call
-        The call.
+        Where it is called, with its arguments.
     given, named : sequence and mapping of frozenset
         Its arguments; of unpacked ones what they hold, and None for ``**``.
     """

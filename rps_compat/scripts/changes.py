@@ -89,7 +89,13 @@ class Change:
         return self.advice or "there is nothing like it"
 
     def written(self, module: str) -> str:
-        """Return the code with `module` for the module that the name is asked of."""
+        """Return the code to be written instead.
+
+        Parameters
+        ----------
+        module : str
+            The module that the name is asked of, as the script calls it; may be empty.
+        """
         if self.code.startswith("."):
             return f"{module}{self.code}" if module else self.code[1:]
         return self.code.replace("{}", module)
@@ -144,6 +150,11 @@ def change_of(path: str) -> Change | None:
 
     ``scipy.array`` and ``numpy.lib.pad`` are not written down one by one: those modules handed on
     what is numpy's, and do not any more.
+
+    Parameters
+    ----------
+    path : str
+        Dotted path.
     """
     found = CHANGES.get(path)
     if found is not None:
@@ -159,7 +170,13 @@ def change_of(path: str) -> Change | None:
 
 
 def is_numpys(name: str) -> bool:
-    """Return whether `name` is, or was, one of numpy's own."""
+    """Return whether a name is, or was, one of numpy's own.
+
+    Parameters
+    ----------
+    name : str
+        The name, without ``numpy.``.
+    """
     import numpy as np
 
     return name in dir(np) or f"numpy.{name}" in CHANGES

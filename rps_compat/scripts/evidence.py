@@ -34,7 +34,13 @@ class Evidence:
     uses: tuple[Use, ...] = ()
 
     def stopping(self, generation: Generation) -> list[Use]:
-        """Return the names at which the script stops if it runs as `generation`."""
+        """Return the names at which the script stops.
+
+        Parameters
+        ----------
+        generation : int
+            Of the API: 1 or 2.
+        """
         return [use for use in self.uses if use.stops(generation) and not use.follows]
 
     @property
@@ -67,7 +73,13 @@ class Evidence:
         return any(isinstance(u.entry, ApiName) and u.entry.generations == {0} for u in self.uses)
 
     def against(self, generation: Generation) -> list[str]:
-        """Say what stops the script if it runs as `generation`, and what is right there."""
+        """Say what stops the script, and what is right there.
+
+        Parameters
+        ----------
+        generation : int
+            Of the API: 1 or 2.
+        """
         return [
             f"{place(use)}: {use.what}; {use.remedy(generation)}"
             for use in self.stopping(generation)
@@ -97,18 +109,35 @@ class Evidence:
 
 
 def place(use: Use) -> str:
-    """Return where a use stands: the line, and the file where that is not the script."""
+    """Return where a use stands: the line, and the file where that is not the script.
+
+    Parameters
+    ----------
+    use : Use
+        A name that not everybody has, where the script uses it.
+    """
     name = use.module.script.path.name if use.module.name else ""
     return f"{name} line {use.line}".strip()
 
 
 def evidence_of(uses: Iterable[Use]) -> Evidence:
-    """Return what among all `uses` of a script is evidence."""
+    """Return what among all `uses` of a script is evidence.
+
+    Parameters
+    ----------
+    uses : iterable of Use
+        All uses of a script.
+    """
     return Evidence(tuple(use for use in uses if isinstance(use.entry, ApiName)))
 
 
 def evidence_in(script: Path | Program) -> Evidence:
     """Read what speaks for which generation in a script and the modules beside it.
+
+    Parameters
+    ----------
+    script : Path or Program
+        The script's file, or what was read of it.
 
     Raises
     ------

@@ -52,13 +52,25 @@ _NOT_TO_IMPORT = frozenset({"antigravity", "this", "turtle", "turtledemo", "tkin
 
 
 def handed_on(name: str) -> str | None:
-    """Return the dotted path of what the API's modules hand on as `name`; None of their own."""
+    """Return the dotted path of what the API's modules hand on; None of their own names.
+
+    Parameters
+    ----------
+    name : str
+        What they call it.
+    """
     home = _HANDED_ON.get(name)
     return None if home is None or home.startswith("rps.robotarium") else home
 
 
 def canonical(path: str) -> str:
-    """Return the dotted path under which something is known, whoever hands it on."""
+    """Return the dotted path under which something is known, whoever hands it on.
+
+    Parameters
+    ----------
+    path : str
+        Dotted path.
+    """
     top, dot, rest = path.partition(".")
     if top in _SAME:
         return _SAME[top] + dot + rest
@@ -74,9 +86,16 @@ def canonical(path: str) -> str:
 
 
 def exports(path: str, name: str) -> bool | None:
-    """Return whether ``from path import *`` brings `name`; None where that cannot be known.
+    """Return whether ``from path import *`` brings a name; None where that cannot be known.
 
     Of the API whether it does in any generation.
+
+    Parameters
+    ----------
+    path : str
+        Dotted path.
+    name : str
+        Name without dots.
     """
     if path == "rps" or path.startswith("rps."):
         faces = [found for generation in (1, 2) if (found := face(path, generation))]

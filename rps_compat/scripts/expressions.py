@@ -25,7 +25,15 @@ if TYPE_CHECKING:
 
 
 class Evaluator(ast.NodeVisitor):
-    """Evaluates the expressions of one module, in the scope that is current."""
+    """Evaluates the expressions of one module, in the scope that is current.
+
+    Parameters
+    ----------
+    program : Program
+        The script and the modules beside it.
+    module : Module
+        Whose expressions they are.
+    """
 
     def __init__(self, program: Program, module: Module) -> None:
         self.program, self.module = program, module
@@ -36,7 +44,13 @@ class Evaluator(ast.NodeVisitor):
         self.classes: list[Class] = []
 
     def value(self, node: ast.expr | None) -> Values:
-        """Return what `node` stands for, and take note of it."""
+        """Return what an expression stands for, and take note of it.
+
+        Parameters
+        ----------
+        node : ast.expr or None
+            The expression; None stands for nothing.
+        """
         if node is None:
             return NONE
         found: Values = self.visit(node)
@@ -86,14 +100,35 @@ class Evaluator(ast.NodeVisitor):
             self.put_into(func.value, elements(given[-1]))
 
     def put_into(self, container: ast.expr, values: Values) -> None:
-        """Let a container that has a name hold `values` as well."""
+        """Let a container that has a name hold something as well.
+
+        Parameters
+        ----------
+        container : ast.expr
+            What ``append`` or an assignment to an item changes.
+        values : frozenset
+            What is put in.
+        """
         before = self.program.values.get(container, frozenset())
         inside = [value.values for value in before if isinstance(value, Held)]
         if inside and isinstance(container, (ast.Name, ast.Attribute)):
             self.bind(container, held(values.union(*inside)))
 
     def bind(self, target: ast.expr, values: Values) -> None:
-        """Let `target` stand for `values`."""
+        """Let the target of an assignment stand for something: `Interpreter` does.
+
+        Parameters
+        ----------
+        target : ast.expr
+            A name, attribute or item, or several in a tuple or list.
+        values : frozenset
+            What it may stand for.
+
+        Raises
+        ------
+        NotImplementedError
+            Always, here.
+        """
         raise NotImplementedError
 
     def visit_Lambda(self, node: ast.Lambda) -> Values:
@@ -104,6 +139,11 @@ class Evaluator(ast.NodeVisitor):
         """Make the function of a definition, with the defaults and annotations of its parameters.
 
         In a class it is a method; elsewhere it sees the names of the scope.
+
+        Parameters
+        ----------
+        node : ast.FunctionDef, ast.AsyncFunctionDef or ast.Lambda
+            Where it is defined.
         """
         function = self.program.function(node, self.scope)
         names = parameters_of(node)
@@ -123,7 +163,13 @@ class Evaluator(ast.NodeVisitor):
         return function
 
     def annotated(self, annotation: ast.expr | None) -> Values:
-        """Return what an annotation says a thing is; empty where that is no class that is known."""
+        """Return what an annotation says a thing is; empty where that is no class that is known.
+
+        Parameters
+        ----------
+        annotation : ast.expr or None
+            The annotation; None where there is none.
+        """
         if annotation is None:
             return NONE
         if isinstance(annotation, ast.Constant) and isinstance(annotation.value, str):

@@ -99,7 +99,17 @@ def parameters(function: str, generation: int) -> dict[str, bool]:
 
 
 def has(module: str, name: str, generation: int) -> bool:
-    """Return whether a module of the API has a name, or a module, in `generation`."""
+    """Return whether a module of the API has a name, or a module of that name.
+
+    Parameters
+    ----------
+    module : str
+        Dotted name of the module.
+    name : str
+        Name without dots.
+    generation : int
+        Of the API: 1 or 2.
+    """
     found = face(module, generation)
     if found is None:
         return False

@@ -38,7 +38,7 @@ class Guards:
     Parameters
     ----------
     tree : ast.Module
-        The module.
+        Syntax tree of that module.
 
     Attributes
     ----------
@@ -90,6 +90,11 @@ def branch_taken(test: ast.expr) -> bool | None:
     """Return which way a test goes on the testbed, None if that is not known.
 
     Known are ``TYPE_CHECKING`` and comparisons of ``sys.version_info``.
+
+    Parameters
+    ----------
+    test : ast.expr
+        Condition of the ``if``.
     """
     name = test.attr if isinstance(test, ast.Attribute) else getattr(test, "id", "")
     if name == "TYPE_CHECKING":
@@ -107,7 +112,13 @@ def branch_taken(test: ast.expr) -> bool | None:
 
 
 def catches_import_error(handler: ast.ExceptHandler) -> bool:
-    """Whether a handler runs when an import fails."""
+    """Whether a handler runs when an import fails.
+
+    Parameters
+    ----------
+    handler : ast.ExceptHandler
+        An ``except`` with what it catches.
+    """
     caught = _caught(handler)
     return caught is None or bool(caught & {"ImportError", "ModuleNotFoundError", *_ANYTHING})
 

@@ -131,7 +131,13 @@ class Trace:
 
 
 def is_ours(module: str) -> bool:
-    """Return whether a module belongs to this project rather than to the user."""
+    """Return whether a module belongs to this project rather than to the user.
+
+    Parameters
+    ----------
+    module : str
+        Dotted name of the module.
+    """
     return module.partition(".")[0] in _OURS
 
 

@@ -115,12 +115,24 @@ STANDARD_LIBRARY = (frozenset(sys.stdlib_module_names) | GONE_SINCE) - set(NEWER
 
 
 def is_available(module: str) -> bool:
-    """Return whether the testbed can import the top-level `module`."""
+    """Return whether the testbed can import a module.
+
+    Parameters
+    ----------
+    module : str
+        Name of a top-level module.
+    """
     return module in STANDARD_LIBRARY or module in IMPORT_NAMES or module == SIMULATOR
 
 
 def shadowed_by(module: str) -> str | None:
-    """Return what an uploaded file ``module.py`` would hide, in words; None if nothing."""
+    """Return what an uploaded file ``module.py`` would hide, in words; None if nothing.
+
+    Parameters
+    ----------
+    module : str
+        Name of the file without ``.py``.
+    """
     if module in STANDARD_LIBRARY:
         return f"Python's own module {module!r}"
     if module in IMPORT_NAMES:

@@ -42,9 +42,18 @@ _CONVENTIONAL = {"np": "numpy", "plt": "matplotlib.pyplot"}
 
 
 def look_up(program: Program, scope: Scope, name: str) -> tuple[Values, str]:
-    """Return what `name` stands for in `scope`, and the module whose star brought it, if one did.
+    """Return what a name stands for, and the module whose star brought it, if one did.
 
     The second is "" where no star did.
+
+    Parameters
+    ----------
+    program : Program
+        The script and the modules beside it.
+    scope : Scope
+        Where it is asked for.
+    name : str
+        Name without dots.
     """
     found = _bound(scope, name)
     if found is not None and UNBOUND not in found:
@@ -103,7 +112,19 @@ def _from_star(program: Program, module: Module, name: str) -> tuple[Values | No
 def module_attribute(
     program: Program, module: Module, name: str, starred: bool = False
 ) -> Values | None:
-    """Return what `name` is in a module that lies beside the script; None if it is not there."""
+    """Return what a name is in a module that lies beside the script; None if it is not there.
+
+    Parameters
+    ----------
+    program : Program
+        The script and the modules beside it.
+    module : Module
+        One of the user's own.
+    name : str
+        Name without dots.
+    starred : bool
+        Whether a star asks, which brings no name with an underscore.
+    """
     if starred and name.startswith("_"):
         return None
     found = module.scope.ever.get(name)
@@ -116,7 +137,17 @@ def module_attribute(
 
 
 def attribute(program: Program, values: Values, name: str) -> Values:
-    """Return what the attribute `name` of `values` is."""
+    """Return what an attribute of something is.
+
+    Parameters
+    ----------
+    program : Program
+        The script and the modules beside it.
+    values : frozenset
+        What it is asked of.
+    name : str
+        What stands behind the dot.
+    """
     out: Values = frozenset()
     for value in values:
         out |= _attribute_of(program, value, name)
@@ -141,7 +172,17 @@ def _attribute_of(program: Program, value: Value, name: str) -> Values:
 
 
 def member(of: Class, name: str, owner: Instance | Class) -> Values:
-    """Return what `name` is on an object or class `owner`; empty if the source does not tell."""
+    """Return what a name is on an object or class; empty if the source does not tell.
+
+    Parameters
+    ----------
+    of : Class
+        Where it is looked up.
+    name : str
+        What stands behind the dot.
+    owner : Instance or Class
+        What it is asked of.
+    """
     own = of.attributes.get(name)
     if own is None:
         return _inherited(of, name, owner)
@@ -183,7 +224,15 @@ def _asked_of(function: Function, owner: Instance | Class) -> Values:
 
 
 def bases_of(of: Class, depth: int = 0) -> set[str]:
-    """Return the paths of all that a class derives from, through classes of the script's own."""
+    """Return the paths of all that a class derives from, through classes of the script's own.
+
+    Parameters
+    ----------
+    of : Class
+        One of the script's own.
+    depth : int
+        How many classes deep this call is; circles end somewhere.
+    """
     found: set[str] = set()
     for base in of.bases:
         if isinstance(base, Origin):

@@ -53,13 +53,13 @@ class Module:
     name : str
         Dotted name; "" is the script.
     script : Script
-        Its source.
-    scope : Scope
-        Its names.
-    stars : list of str
-        Modules whose names it takes by ``from … import *``, in order.
+        Its source, as read.
     is_package : bool
         Whether it is an ``__init__.py``.
+    stars : list of str
+        Modules whose names it takes by ``from … import *``, in order.
+    scope : Scope
+        What its names stand for.
     """
 
     name: str
@@ -129,6 +129,11 @@ class Program:
         """Return a module beside the script as :meth:`module` does, and run it the first time.
 
         The packages that it lies in run before it.
+
+        Parameters
+        ----------
+        name : str
+            Its dotted name.
         """
         parts = name.split(".")
         for k in range(1, len(parts) + 1):
@@ -143,7 +148,13 @@ class Program:
         return [module for module in self._modules.values() if module is not None]
 
     def module(self, name: str) -> Module | None:
-        """Return the module that lies beside the script under a dotted name, or None."""
+        """Return the module that lies beside the script, or None.
+
+        Parameters
+        ----------
+        name : str
+            Its dotted name.
+        """
         if name not in self._modules:
             self._modules[name] = self._read(name)
         return self._modules[name]
@@ -164,19 +175,43 @@ class Program:
     def function(
         self, node: ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda, scope: Scope
     ) -> Function:
-        """Return the one function of a definition."""
+        """Return the one function of a definition.
+
+        Parameters
+        ----------
+        node : ast.FunctionDef, ast.AsyncFunctionDef or ast.Lambda
+            Where it is defined.
+        scope : Scope
+            Where it is defined.
+        """
         if node not in self._functions:
             self._functions[node] = Function(node, scope)
         return self._functions[node]
 
     def class_(self, node: ast.ClassDef) -> Class:
-        """Return the one class of a definition."""
+        """Return the one class of a definition.
+
+        Parameters
+        ----------
+        node : ast.ClassDef
+            Where it is defined.
+        """
         if node not in self._classes:
             self._classes[node] = Class(node)
         return self._classes[node]
 
     def add(self, table: dict[str, Values], name: str, values: Values) -> None:
-        """Add `values` to what a table has under `name`."""
+        """Add to what a name of a table stands for.
+
+        Parameters
+        ----------
+        table : dict
+            From name to what it stands for.
+        name : str
+            Key of the table.
+        values : frozenset
+            What is added.
+        """
         before = table.get(name, frozenset())
         if not values <= before or name not in table:
             table[name] = before | values
@@ -193,18 +228,35 @@ class Program:
         """Return what attributes of this name hold, wherever, if that is a Robotarium and no other.
 
         So ``team.robots.step()`` is a Robotarium's also where nobody knows what ``team`` is.
+
+        Parameters
+        ----------
+        name : str
+            What stands behind the dot.
         """
         found = self._by_attribute.get(name, frozenset())
         return found if found and self.is_robots(found) else frozenset()
 
     def instances_of(self, kinds: Values) -> Values:
-        """Return what calling classes among `kinds` makes, as far as annotations matter."""
+        """Return what calling classes makes, as far as annotations matter.
+
+        Parameters
+        ----------
+        kinds : frozenset
+            The classes, and anything else.
+        """
         made: set[Value] = {Instance(kind) for kind in kinds if isinstance(kind, Class)}
         made |= {Origin(f"{path}()") for path in origins(kinds) & ROBOTS}
         return frozenset(made)
 
     def is_robots(self, values: Values) -> bool:
-        """Whether all of `values`, and at least one, are a Robotarium."""
+        """Return whether all of these, and at least one, are a Robotarium.
+
+        Parameters
+        ----------
+        values : frozenset
+            What it may stand for.
+        """
         return bool(values) and all(self._is_robot(value) for value in values)
 
     def _is_robot(self, value: object) -> bool:
@@ -213,7 +265,13 @@ class Program:
         return isinstance(value, Instance) and bool(bases_of(value.of) & ROBOTS)
 
     def path_of(self, node: ast.AST) -> str:
-        """Return the one dotted path that an expression stands for; "" if there is not just one."""
+        """Return the one dotted path that an expression stands for; "" if there is not just one.
+
+        Parameters
+        ----------
+        node : ast.AST
+            An expression of the script or of a module beside it.
+        """
         values = self.values.get(node, ANYTHING)
         paths = origins(values)
         return paths.pop() if len(paths) == 1 and len(values - {UNKNOWN}) == 1 else ""
@@ -221,6 +279,11 @@ class Program:
 
 def read_program(path: Path | str) -> Program:
     """Read a script and the modules beside it.
+
+    Parameters
+    ----------
+    path : Path or str
+        The script's file.
 
     Raises
     ------

@@ -29,9 +29,9 @@ class Renaming:
     Parameters
     ----------
     program : Program
-        The script.
+        The script and the modules beside it.
     text : Text
-        Its text.
+        Where the edits are made.
     generation : int
         The generation of the API that it is rewritten for.
     """
@@ -48,7 +48,13 @@ class Renaming:
         }
 
     def edits(self, use: Use) -> tuple[Edit, ...]:
-        """Return the edits that mend one use; none where a call or a person has to."""
+        """Return the edits that mend one use; none where a call or a person has to.
+
+        Parameters
+        ----------
+        use : Use
+            A name that the testbed lacks, where the script uses it.
+        """
         if isinstance(use.entry, Change):
             return self._of_change(use.node, use.entry)
         if not isinstance(use.entry, ApiName):
@@ -86,7 +92,13 @@ class Renaming:
         return edits
 
     def brought(self, name: str) -> tuple[Edit, ...]:
-        """Return the import of a function that no star of the script brings; none if one does."""
+        """Return the import of a function that no star of the script brings; none if one does.
+
+        Parameters
+        ----------
+        name : str
+            Name of the function in the new generation.
+        """
         stars = self._program.main.stars
         if any(brings(star, name, self._generation) for star in stars):
             return ()

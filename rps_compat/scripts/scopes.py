@@ -34,7 +34,13 @@ class Names:
 
 
 def names_of(node: ast.Module | ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda) -> Names:
-    """Return the names of a function or module."""
+    """Return the names of a function or module.
+
+    Parameters
+    ----------
+    node : ast.Module, ast.FunctionDef, ast.AsyncFunctionDef or ast.Lambda
+        Where it is defined.
+    """
     body: list[ast.AST] = [node.body] if isinstance(node, ast.Lambda) else list(node.body)
     bound = {parameter.arg for parameter in parameters_of(node)}
     declared: dict[type, set[str]] = {ast.Global: set(), ast.Nonlocal: set()}
@@ -51,7 +57,13 @@ def names_of(node: ast.Module | ast.FunctionDef | ast.AsyncFunctionDef | ast.Lam
 
 
 def parameters_of(node: ast.AST) -> list[ast.arg]:
-    """Return all parameters of a function, in the order of its signature; none of anything else."""
+    """Return all parameters of a function, in the order of its signature; none of anything else.
+
+    Parameters
+    ----------
+    node : ast.AST
+        Where it is defined.
+    """
     if not isinstance(node, _FUNCTIONS):
         return []
     of = node.args

@@ -29,7 +29,7 @@ _WIDE = {codecs.BOM_UTF16_LE: "UTF-16", codecs.BOM_UTF16_BE: "UTF-16"}
 class UnreadableError(ScriptError):
     """A file that is not Python.
 
-    Attributes
+    Parameters
     ----------
     name : str
         Of the file.
@@ -92,6 +92,11 @@ class Script:
 def read_script(path: Path | str) -> Script:
     """Read a Python file.
 
+    Parameters
+    ----------
+    path : Path or str
+        Where the file lies.
+
     Raises
     ------
     ScriptError
@@ -108,7 +113,14 @@ def read_script(path: Path | str) -> Script:
 
 
 def parse_script(data: bytes, path: Path | str = "script") -> Script:
-    """Parse the bytes of a Python file that lies, or would lie, at `path`.
+    """Parse the bytes of a Python file.
+
+    Parameters
+    ----------
+    data : bytes
+        What the file holds, in its own encoding.
+    path : Path or str
+        Where the file lies, or would lie.
 
     Raises
     ------

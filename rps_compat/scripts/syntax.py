@@ -37,12 +37,24 @@ _NEWER_NODES = {
 
 
 def newer_than_the_testbeds(what: str) -> str:
-    """Say of syntax or of a name that the testbed's Python does not have it."""
+    """Say of syntax or of a name that the testbed's Python does not have it.
+
+    Parameters
+    ----------
+    what : str
+        The syntax or the name.
+    """
     return f"newer than Python {PYTHON[0]}.{PYTHON[1]}: {what}"
 
 
 def newer_than_this_python(error: SyntaxError) -> str | None:
-    """Return what of a newer Python the line uses that this Python cannot read; None if nothing."""
+    """Return what of a newer Python the line uses that this Python cannot read; None if nothing.
+
+    Parameters
+    ----------
+    error : SyntaxError
+        What this Python says of the line.
+    """
     if "backslash" in error.msg and error.msg.startswith("f-string"):
         return "an f-string with a backslash inside, as of Python 3.12"
     line = error.text or ""

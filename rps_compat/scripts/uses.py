@@ -38,7 +38,13 @@ from rps_compat.scripts.values import (
 
 @dataclass(frozen=True)
 class Absent:
-    """A library that the testbed has not."""
+    """A library that the testbed has not.
+
+    Attributes
+    ----------
+    name : str
+        What a script imports.
+    """
 
     name: str
 
@@ -55,7 +61,13 @@ class Absent:
 
 @dataclass(frozen=True)
 class NewerSyntax:
-    """Syntax that the testbed's Python does not read."""
+    """Syntax that the testbed's Python does not read.
+
+    Attributes
+    ----------
+    name : str
+        What it is, in words.
+    """
 
     name: str
 
@@ -99,11 +111,23 @@ class Use:
     follows: bool = False
 
     def stops(self, generation: int) -> bool:
-        """Whether the testbed, running `generation` of the API, stops here."""
+        """Return whether the testbed stops here.
+
+        Parameters
+        ----------
+        generation : int
+            Of the API: 1 or 2.
+        """
         return not self.ready and self.matters(generation)
 
     def matters(self, generation: int) -> bool:
-        """Whether `generation`, or the testbed's version of a library, has it not."""
+        """Return whether a generation, or the testbed's version of a library, has it not.
+
+        Parameters
+        ----------
+        generation : int
+            Of the API: 1 or 2.
+        """
         if isinstance(self.entry, ApiName):
             return self.entry.stops(generation)
         return not (isinstance(self.entry, Change) and self.entry.kind is Kind.LATER)
@@ -114,7 +138,13 @@ class Use:
         return self.entry.what
 
     def remedy(self, generation: int) -> str:
-        """Return what to do about it, in words."""
+        """Return what to do about it, in words.
+
+        Parameters
+        ----------
+        generation : int
+            Of the API: 1 or 2.
+        """
         if isinstance(self.entry, ApiName):
             return self.entry.remedy(generation)
         if isinstance(self.entry, Absent):
@@ -125,7 +155,13 @@ class Use:
 
 
 def uses_in(program: Program) -> list[Use]:
-    """List all uses in a script and the modules beside it, by file and line."""
+    """List all uses in a script and the modules beside it, by file and line.
+
+    Parameters
+    ----------
+    program : Program
+        The script and the modules beside it.
+    """
     found = [use for module in program.modules for use in _Detector(program, module).uses()]
     if any(isinstance(u.entry, ApiName) and u.entry.generations == {0} for u in found):
         found += [u for module in program.modules for u in _Detector(program, module).counted()]
@@ -349,7 +385,15 @@ def _elsewhere(owner: object) -> bool:
 
 
 def constructor_arguments(program: Program, node: ast.Call) -> list[ast.expr] | None:
-    """Return what a call of Robotarium's constructor is given by position; None of other calls."""
+    """Return what a call of Robotarium's constructor is given by position; None of other calls.
+
+    Parameters
+    ----------
+    program : Program
+        The script and the modules beside it.
+    node : ast.Call
+        Any call of the script.
+    """
     for value in program.values.get(node.func, frozenset()):
         if isinstance(value, Origin):
             base, _, start = value.path.rpartition(".")
@@ -365,7 +409,15 @@ def constructor_arguments(program: Program, node: ast.Call) -> list[ast.expr] | 
 
 
 def api_function(program: Program, node: ast.Call) -> str:
-    """Return the name of the API's function that is called; "" if it is none."""
+    """Return the name of the API's function that is called; "" if it is none.
+
+    Parameters
+    ----------
+    program : Program
+        The script and the modules beside it.
+    node : ast.Call
+        Any call of the script.
+    """
     path = program.path_of(node.func)
     if not path.startswith("rps.") or "(" in path or path == ROBOTARIUM:
         return ""

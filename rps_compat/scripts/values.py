@@ -36,7 +36,7 @@ class Function:
     Attributes
     ----------
     node : ast.FunctionDef, ast.AsyncFunctionDef or ast.Lambda
-        Its definition.
+        Where it is defined.
     scope : Scope
         Where it is defined.
     owner : Class, optional
@@ -45,6 +45,8 @@ class Function:
         What its parameters were called with, by name.
     returns : frozenset
         What it returns.
+    own : Scope, optional
+        Names within it, once it was looked into.
     """
 
     node: ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda
@@ -68,7 +70,7 @@ class Class:
     Attributes
     ----------
     node : ast.ClassDef
-        Its definition.
+        Where it is defined.
     bases : frozenset
         What it derives from.
     attributes : dict
@@ -87,21 +89,41 @@ class Class:
 
 @dataclass(frozen=True)
 class Instance:
-    """An object of a class of the script's own."""
+    """An object of a class of the script's own.
+
+    Attributes
+    ----------
+    of : Class
+        Whose attributes and methods it has.
+    """
 
     of: Class
 
 
 @dataclass(frozen=True)
 class Super:
-    """What ``super()`` is within a class of the script's own."""
+    """What ``super()`` is within a class of the script's own.
+
+    Attributes
+    ----------
+    of : Class
+        The class in which it stands.
+    """
 
     of: Class
 
 
 @dataclass(frozen=True)
 class Method:
-    """A method of the script's own, asked of an object or class."""
+    """A method of the script's own, asked of an object or class.
+
+    Attributes
+    ----------
+    function : Function
+        What a call of it runs.
+    owner : Instance or Class
+        What it was asked of.
+    """
 
     function: Function
     owner: Instance | Class
@@ -109,21 +131,39 @@ class Method:
 
 @dataclass(frozen=True)
 class OwnModule:
-    """A module that lies beside the script."""
+    """A module that lies beside the script.
+
+    Attributes
+    ----------
+    name : str
+        Its dotted name.
+    """
 
     name: str
 
 
 @dataclass(frozen=True)
 class Held:
-    """A container, by what it holds."""
+    """A container, by what it holds.
+
+    Attributes
+    ----------
+    values : frozenset
+        What it holds.
+    """
 
     values: Values
 
 
 @dataclass(frozen=True)
 class Nothing:
-    """Two marks: something that the source does not tell, and a name not bound (yet)."""
+    """Two marks: something that the source does not tell, and a name not bound (yet).
+
+    Attributes
+    ----------
+    mark : str
+        Which of the two.
+    """
 
     mark: str
 
@@ -175,12 +215,24 @@ class Scope:
 
 
 def origins(values: Values) -> set[str]:
-    """Return the paths of all origins among `values`."""
+    """Return the paths of all origins among some values.
+
+    Parameters
+    ----------
+    values : frozenset
+        What it may stand for.
+    """
     return {value.path for value in values if isinstance(value, Origin)}
 
 
 def held(values: Values) -> Values:
-    """Return a container of `values`, of no more depth than scripts have."""
+    """Return a container, of no more depth than scripts have.
+
+    Parameters
+    ----------
+    values : frozenset
+        What it holds.
+    """
     flat = frozenset(
         UNKNOWN
         if isinstance(value, Held) and any(isinstance(v, Held) for v in value.values)
@@ -191,7 +243,13 @@ def held(values: Values) -> Values:
 
 
 def elements(values: Values) -> Values:
-    """Return what iterating over `values`, or an index of them, gives."""
+    """Return what iterating over something, or an index of it, gives.
+
+    Parameters
+    ----------
+    values : frozenset
+        What it may stand for.
+    """
     out: Values = frozenset()
     for value in values:
         out |= value.values if isinstance(value, Held) else ANYTHING

@@ -38,19 +38,19 @@ class RobotariumABC(Sensing, ABC):
 
     Parameters
     ----------
-    number_of_robots
+    number_of_robots : int
         1 to 50.
-    show_figure
+    show_figure : bool
         Whether the arena is drawn. Without it no figure is made until ``axes`` or ``figure`` is
         asked for.
-    sim_in_real_time
+    sim_in_real_time : bool
         Whether ``step`` waits for its slot of 33 ms (in a window; nobody waits without one).
-    initial_conditions
-        Poses (3, N), metres and radians; an empty array draws them at random.
-    use_distance_sensors
+    initial_conditions : (3, N) array
+        Poses, m and rad; an empty array draws them at random.
+    use_distance_sensors : bool
         Whether the seven infrared sensors are simulated.
-    obstacles
-        Segments (M, 2, 2) that they see: the ends' x in a row and their y in another, metres.
+    obstacles : (M, 2, 2) array
+        Segments that they see: the ends' x in a row and their y in another, m.
 
     Raises
     ------
@@ -270,14 +270,10 @@ class RobotariumABC(Sensing, ABC):
 
         Parameters
         ----------
-        ids
+        ids : object
             Ignored, as by the published simulator: the columns of `velocities` are the robots.
-            Where sensors are read, the robots (M,) that are commanded.
-        velocities
-            Forward speeds (m/s) and turn rates (rad/s), (2, N); the array itself is kept. Where
-            sensors are read, (2, M), copied, and cut at ``max_linear_velocity`` and
-            ``max_angular_velocity``: so does the release that came with sensors, and a script
-            that turns hard drives another way without.
+        velocities : (2, N) array
+            Forward speeds, m/s, and turn rates, rad/s; the array itself is kept.
 
         Raises
         ------

@@ -146,7 +146,14 @@ class Sensing:
         return points
 
     def set_leds(self, ids: Any, leds: Array) -> None:
-        """Keep the colours (3, M) of robots `ids` (M,) in ``leds``; the figure does not show them.
+        """Keep the colours of robots in ``leds``; the figure does not show them.
+
+        Parameters
+        ----------
+        ids : (M,) array-like
+            Which robots.
+        leds : (3, M) array
+            Red, green and blue of each.
 
         Raises
         ------
@@ -168,5 +175,20 @@ class Sensing:
 
 
 def distance_points(robotarium: Any, poses: Array, distances: Array) -> Array:
-    """Points (2, 7, N) in metres that `distances` (7, N) reach; NaN where there is no reading."""
+    """Return the points that distance sensors have read; NaN where there is no reading.
+
+    Parameters
+    ----------
+    robotarium : Robotarium
+        Where the sensors sit.
+    poses : (3, N) array
+        Poses at which they read, m and rad.
+    distances : (7, N) array
+        What they read, m; −1 for nothing.
+
+    Returns
+    -------
+    (2, 7, N) array
+        The points, m.
+    """
     return ray_ends(poses, distances, robotarium.distance_sensors_orientation, 0.0)

@@ -27,7 +27,22 @@ class WheelFilter(Protocol):
     """A function of commands and poses that may be told of obstacles."""
 
     def __call__(self, dxu: Array, x: Array, obstacles: Array = ...) -> Array:
-        """Commands (v; ω) (2, N)."""
+        """Return the safe commands nearest to those wanted.
+
+        Parameters
+        ----------
+        dxu : (2, N) array
+            Commands (v; ω), m/s and rad/s.
+        x : (3, N) array
+            Poses, m and rad.
+        obstacles : (2, M) array
+            Points that stand still, m; empty for none.
+
+        Returns
+        -------
+        (2, N) array
+            Commands (v; ω), m/s and rad/s.
+        """
 
 
 @dataclass(frozen=True)
@@ -50,6 +65,13 @@ class RobustWheels:
         Kept between the points ahead of two robots (m).
     walls : tuple
         Empty, or the boundary points.
+
+    Raises
+    ------
+    NumberError
+        A parameter is not a number, or the certified points lie on the axle.
+    ZeroDivisionError
+        `base_length` is zero.
     """
 
     max_num_obstacles: Any

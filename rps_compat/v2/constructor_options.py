@@ -12,7 +12,25 @@ from rps_compat.errors import ConstructorError
 
 @dataclass
 class ConstructorOptions:
-    """Arguments of the constructor, which the published API takes as ``**kwargs``."""
+    """Arguments of `ARobotarium`, which the published API takes as ``**kwargs``.
+
+    Attributes
+    ----------
+    number_of_robots : int
+        1 to 50; None where it was not given, which is refused.
+    show_figure, sim_in_real_time : bool
+        Whether the arena is drawn, and whether a step waits.
+    initial_conditions : (3, N) array
+        Poses, m and rad; empty where they are to be drawn.
+    skip_initialization, use_distance_sensors : bool
+        Whether robots start there, and have sensors.
+    obstacles : (M, 2, 2) array, optional
+        Segments that the sensors see, m.
+    show_arena_boundaries, show_distance_endpoints, show_distance_rays : bool
+        What the figure shows.
+    show_obstacles, show_robot_patches : bool
+        What else the figure shows.
+    """
 
     number_of_robots: Any = None
     show_figure: Any = True
@@ -29,7 +47,7 @@ class ConstructorOptions:
 
     @classmethod
     def of(cls, given: dict[str, Any]) -> "ConstructorOptions":
-        """Options as `given` by name; warns of names that there are not, as published scripts run.
+        """Return the options given by name; warn of names that there are not, as published.
 
         Parameters
         ----------

@@ -17,17 +17,17 @@ class GternalDrawing:
 
     Parameters
     ----------
-    axes
+    axes : Axes
         Where it is drawn.
-    arena
+    arena : Arena
         The simulated testbed whose robots are followed.
-    boundaries
-        x_min, x_max, y_min, y_max, metres; None draws no walls.
-    obstacles
-        Segments (M, 2, 2) to be drawn, metres; None draws none.
-    colors
-        A colour for each robot, (N, 4): its sensor rays and endpoints.
-    patches, endpoints, rays
+    boundaries : (4,) array or None
+        x_min, x_max, y_min, y_max, m; None draws no walls.
+    obstacles : (M, 2, 2) array or None
+        Segments to be drawn, m; None draws none.
+    colors : (N, 4) array
+        A colour for each robot: its sensor rays and endpoints.
+    patches, endpoints, rays : bool
         Whether robots, sensor endpoints and sensor rays are drawn.
     """
 
@@ -74,7 +74,13 @@ class GternalDrawing:
             self.endpoints = [axes.scatter([], [], s=12, color=color, zorder=4) for color in colors]
 
     def follow_robots(self, leds: Array) -> None:
-        """Move the robots' patches to where the robots are, and colour their `leds` (3, N)."""
+        """Move the robots' patches to where the robots are, and colour their LEDs.
+
+        Parameters
+        ----------
+        leds : (3, N) array
+            Red, green and blue of each robot.
+        """
         poses = self._arena.poses
         for robot, patch in enumerate(self.robots):
             patch.set_pose(poses[:, robot])
@@ -83,13 +89,27 @@ class GternalDrawing:
         self._leds = np.array(leds)
 
     def follow_endpoints(self, ends: Array) -> None:
-        """Move the dots to what the sensors read: `ends` (2, S, N), NaN where they read nothing."""
+        """Move the dots to what the sensors read.
+
+        Parameters
+        ----------
+        ends : (2, S, N) array
+            The points, m; NaN where they read nothing.
+        """
         for robot, dots in enumerate(self.endpoints):
             read = ends[:, :, robot].T
             dots.set_offsets(read[np.isfinite(read).all(axis=1)])
 
     def follow_rays(self, ends: Array, starts: Array) -> None:
-        """Draw the rays from `starts` (2, S, N) to `ends` (2, S, N)."""
+        """Draw the rays from the sensors to what they read.
+
+        Parameters
+        ----------
+        ends : (2, S, N) array
+            What they read, m; NaN for nothing.
+        starts : (2, S, N) array
+            Where the sensors are, m.
+        """
         for robot, lines in enumerate(self.rays):
             for sensor, line in enumerate(lines):
                 line.set_data(

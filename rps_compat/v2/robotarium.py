@@ -42,7 +42,13 @@ def __getattr__(name: str) -> Any:
 
 
 class Robotarium(ARobotarium):
-    """N robots in the arena, commanded as unicycles. See :class:`ARobotarium`."""
+    """N robots in the arena, commanded as unicycles. See :class:`ARobotarium`.
+
+    Parameters
+    ----------
+    **kwargs
+        As for :class:`ARobotarium`.
+    """
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
@@ -69,9 +75,14 @@ class Robotarium(ARobotarium):
         return np.array(self._arena.observe())
 
     def initialize(self, initial_conditions: Array) -> None:
-        """Drive the robots from where they are to `initial_conditions` (3, N).
+        """Drive the robots from where they are to where the experiment begins.
 
         The steps count: on the testbed the drive is part of the run.
+
+        Parameters
+        ----------
+        initial_conditions : (3, N) array
+            Their poses there, m and rad.
 
         Raises
         ------

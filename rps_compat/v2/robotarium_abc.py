@@ -67,14 +67,14 @@ class ARobotarium(SensorReadings):
         ``_axes_handle`` or ``_fig`` is asked for.
     sim_in_real_time : bool
         Whether ``step`` waits for its slot of 33 ms (in a window), by default True.
-    initial_conditions : ndarray (3, N)
-        Where the experiment begins, metres and radians; left out, it is drawn at random.
+    initial_conditions : (3, N) array
+        Where the experiment begins, m and rad; left out, it is drawn at random.
     skip_initialization : bool
         Start there instead of driving there, by default False.
     use_distance_sensors : bool
         Simulate the seven infrared sensors, by default False.
-    obstacles : ndarray (M, 2, 2)
-        Segments that the distance sensors see: end points in metres.
+    obstacles : (M, 2, 2) array
+        Segments that the distance sensors see: end points, m.
     show_arena_boundaries, show_robot_patches, show_obstacles : bool
         What the figure shows, by default all.
     show_distance_endpoints, show_distance_rays : bool
@@ -320,10 +320,10 @@ class ARobotarium(SensorReadings):
 
         Parameters
         ----------
-        ids
-            Which robots, (M,).
-        velocities
-            Their forward speeds (m/s) and turn rates (rad/s), (2, M). Copied.
+        ids : (M,) integer array
+            Which robots.
+        velocities : (2, M) array
+            Their forward speeds, m/s, and turn rates, rad/s. Copied.
 
         Raises
         ------
@@ -356,7 +356,13 @@ class ARobotarium(SensorReadings):
 
     @abstractmethod
     def initialize(self, initial_conditions: Array) -> None:
-        """Bring the robots to `initial_conditions` (3, N)."""
+        """Bring the robots to where the experiment begins.
+
+        Parameters
+        ----------
+        initial_conditions : (3, N) array
+            Their poses there, m and rad.
+        """
 
     @abstractmethod
     def step(self) -> None:

@@ -18,17 +18,22 @@ _BATCH = 256
 
 
 class SensorSuite:
-    """Readings of all sensors of the robots of one `robotarium` (a generation-2 instance).
+    """Readings of all sensors of the robots of one instance.
+
+    Parameters
+    ----------
+    robotarium : Robotarium
+        The instance, of generation 2.
 
     Attributes
     ----------
-    distances : ndarray (S, N)
-        Last distances in metres; NaN before the first step and without distance sensors.
-    encoders : ndarray (2, N)
+    distances : (S, N) array
+        Last distances, m; NaN before the first step and without distance sensors.
+    encoders : (2, N) array
         Ticks counted, left then right.
-    accelerations, gyros, magnetic_fields : ndarray (3, N)
+    accelerations, gyros, magnetic_fields : (3, N) array
         m/s², rad/s and the field's parts; zero before the first step.
-    orientations : ndarray (N,)
+    orientations : (N,) array
         Headings in degrees, [0, 360).
     """
 
@@ -52,7 +57,13 @@ class SensorSuite:
         self._turn_rates: Array = np.zeros(robots)
 
     def start_from(self, ticks: Array) -> None:
-        """Begin to read in the middle of a run, when so many `ticks` (2, N) have been counted."""
+        """Begin to read in the middle of a run.
+
+        Parameters
+        ----------
+        ticks : (2, N) array
+            Ticks counted so far, left then right.
+        """
         of = self._of
         self._encoders = self._encoders + ticks
         if of._arena.steps:
@@ -99,7 +110,13 @@ class SensorSuite:
         )
 
     def count_ticks(self, noise: Array) -> None:
-        """Add the ticks of the last step, disturbed by standard normal `noise` (2, N)."""
+        """Add the ticks of the last step, disturbed.
+
+        Parameters
+        ----------
+        noise : (2, N) array
+            Standard normal numbers.
+        """
         self._turning[self._uncounted] = self._of._arena.wheel_velocities
         self._tick_noise[self._uncounted] = noise
         self._uncounted += 1
@@ -122,19 +139,37 @@ class SensorSuite:
         return self._encoders
 
     def feel_accelerations(self, noise: Array) -> None:
-        """Renew the accelerations with standard normal `noise` (3, N)."""
+        """Renew the accelerations, disturbed.
+
+        Parameters
+        ----------
+        noise : (3, N) array
+            Standard normal numbers.
+        """
         of = self._of
         felt = sensors.accelerations(self._turn_rates, of.IMU_ORIENTATION)
         self._accelerations = felt + noise * of.ACCELEROMETER_NOISE_STDS[:, None]
 
     def feel_turning(self, noise: Array) -> None:
-        """Renew the gyroscopes with standard normal `noise` (3, N)."""
+        """Renew the gyroscopes, disturbed.
+
+        Parameters
+        ----------
+        noise : (3, N) array
+            Standard normal numbers.
+        """
         felt = noise * self._of.GYRO_NOISE_STDS[:, None]
         felt[2] += self._turn_rates
         self._gyros = felt
 
     def feel_magnetic_fields(self, noise: Array) -> None:
-        """Renew the magnetic fields with standard normal `noise` (3, N)."""
+        """Renew the magnetic fields, disturbed.
+
+        Parameters
+        ----------
+        noise : (3, N) array
+            Standard normal numbers.
+        """
         of = self._of
         felt = sensors.magnetic_fields(
             self._headings, of.MAGNETOMETER_XY_AVG, of.MAGNETOMETER_Z_AVG
@@ -142,7 +177,13 @@ class SensorSuite:
         self._magnetic_fields = felt + noise * of.MAGNETOMETER_NOISE_STDS[:, None]
 
     def feel_orientations(self, noise: Array) -> None:
-        """Renew the orientations with standard normal `noise` (N,)."""
+        """Renew the orientations, disturbed.
+
+        Parameters
+        ----------
+        noise : (N,) array
+            Standard normal numbers.
+        """
         degrees = np.rad2deg(self._headings) + noise * self._of.ORIENTATION_NOISE_STD
         around = np.mod(degrees, 360)
         self._orientations = np.where(reached(around, 360.0), 0.0, around)

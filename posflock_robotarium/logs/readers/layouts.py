@@ -27,13 +27,26 @@ MOST_ROBOTS = 50
 
 @dataclass(frozen=True)
 class Layout:
-    """One way to read an array: its name on the command line, and how to bring it to (T, 3, N)."""
+    """One way to read an array, and how to bring it to (T, 3, N).
+
+    Attributes
+    ----------
+    name : str
+        What it is called on the command line.
+    axes : int
+        Number of the array's axes, 2 or 3.
+    columns : str
+        Order of the columns of a flat table; empty for three axes.
+    robots : callable
+        From a shape to the number of robots, 0 where the layout does not fit.
+    turn : callable
+        From the array to poses (T, 3, N).
+    """
 
     name: str
     axes: int
     columns: str
     robots: Callable[[tuple[int, ...]], int]
-    """Number of robots in an array of that shape, 0 where the layout does not fit."""
     turn: Callable[[Floats], Floats]
 
     @property
@@ -83,8 +96,8 @@ def to_poses(
 
     Parameters
     ----------
-    array : ndarray, two or three axes
-        Poses in any of `LAYOUTS`.
+    array : two or three axes, (...) array
+        Poses in any of `LAYOUTS`, m and rad.
     where : str
         File (and variable) name for messages.
     layout : str, optional
@@ -96,7 +109,7 @@ def to_poses(
 
     Returns
     -------
-    poses : ndarray, shape (T, 3, N)
+    poses : (T, 3, N) array
         A view where possible.
     label : str
         The sentence for the report.
@@ -105,6 +118,8 @@ def to_poses(
     ------
     LayoutError
         When no layout fits, or more than one does.
+    LogError
+        When the array is empty, or not of two or three axes.
     """
     layout = _known(layout, NAMES, "layout")
     columns = _known(columns, COLUMN_ORDERS, "columns")
@@ -153,7 +168,13 @@ def _known(name: str | None, names: tuple[str, ...], option: str) -> str | None:
 
 
 def increases(values: Floats) -> bool:
-    """Tell whether values could be times: finite, and each later than the one before."""
+    """Tell whether values could be times: finite, and each later than the one before.
+
+    Parameters
+    ----------
+    values : (T,) array
+        What may be times.
+    """
     return bool(np.isfinite(values).all() and (np.diff(values) > 0).all())
 
 
@@ -162,8 +183,8 @@ def sideways_share(poses: Floats) -> float:
 
     Parameters
     ----------
-    poses : ndarray, shape (T, 3, N)
-        Poses; at most about 4000 samples are looked at.
+    poses : (T, 3, N) array
+        Poses, m and rad; at most about 4000 samples are looked at.
 
     Returns
     -------

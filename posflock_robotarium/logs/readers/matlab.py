@@ -24,9 +24,14 @@ LARGEST = 1 << 30
 def read_mat(path: Path) -> tuple[dict[str, Floats], str]:
     """Read every numeric variable of a MATLAB file.
 
+    Parameters
+    ----------
+    path : Path
+        A file ``.mat``.
+
     Returns
     -------
-    variables : dict
+    variables : dict of (...) arrays
         Arrays of floats, axes in MATLAB's order.
     kind : str
         ``MATLAB 5`` or ``MATLAB 7.3``.

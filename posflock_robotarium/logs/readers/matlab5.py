@@ -44,7 +44,17 @@ _COMPLEX = 0x800
 
 
 def read_matlab5(path: Path) -> dict[str, Floats]:
-    """Return the real numeric arrays of a file by name, in MATLAB's order of axes.
+    """Return the real numeric arrays of a file by name.
+
+    Parameters
+    ----------
+    path : Path
+        A file ``.mat`` of version 5.
+
+    Returns
+    -------
+    dict of (...) arrays
+        Arrays of floats, axes in MATLAB's order.
 
     Raises
     ------

@@ -38,6 +38,11 @@ class ReadOptions:
         Which array of a file with several holds the poses.
     drop_damaged : bool
         Leave rows with values that are not finite out, and keep their place as a gap.
+
+    Raises
+    ------
+    ParameterError
+        When `dt` is not above zero.
     """
 
     layout: str | None = None
@@ -58,7 +63,25 @@ class ReadOptions:
 
 @dataclass(frozen=True)
 class Found:
-    """Poses as found in a file, before anything is checked."""
+    """Poses as found in a file, before anything is checked.
+
+    Attributes
+    ----------
+    t : (T,) array or None
+        Times, s; None where the file has none.
+    poses : (T, 3, N) array
+        Poses, m and rad.
+    notes : tuple of str
+        How they were found, one sentence a decision.
+    commands : (T, 2, N) array, optional
+        Commanded velocities, m/s and rad/s.
+    dt : float, optional
+        Time between samples, s, where the file says it.
+    steps : mapping of str to (T,) arrays
+        What the certificate did at each step: ``intervention``, ``clearance``, ``status``.
+    parameters : mapping
+        What the file says about the run.
+    """
 
     t: Floats | None
     poses: Floats
@@ -66,12 +89,21 @@ class Found:
     commands: Floats | None = None
     dt: float | None = None
     steps: Mapping[str, NDArray[Any]] = field(default_factory=dict)
-    """What the certificate did at each step: ``intervention``, ``clearance``, ``status`` (T,)."""
     parameters: Mapping[str, Any] = field(default_factory=dict)
 
 
 def poses_of_array(array: Floats, where: str, options: ReadOptions) -> Found:
-    """Find the poses, and a time if there is one, in a single array without names."""
+    """Find the poses, and a time if there is one, in a single array without names.
+
+    Parameters
+    ----------
+    array : two or three axes, (...) array
+        Poses in any of `LAYOUTS`, perhaps with a time.
+    where : str
+        File (and variable) name for messages.
+    options : ReadOptions
+        What the user says.
+    """
     notes = [f"NumPy array of shape {array.shape}"]
     t: Floats | None = None
     layout = options.layout
@@ -91,7 +123,19 @@ def poses_of_array(array: Floats, where: str, options: ReadOptions) -> Found:
 def poses_among(
     arrays: Mapping[str, NDArray[Any]], where: str, options: ReadOptions, kind: str = "arrays"
 ) -> Found:
-    """Find time, poses, commands and what the run says about itself among named arrays."""
+    """Find time, poses, commands and what the run says about itself among named arrays.
+
+    Parameters
+    ----------
+    arrays : mapping of str to (...) arrays
+        Arrays of a file, by name.
+    where : str
+        File (and variable) name for messages.
+    options : ReadOptions
+        What the user says.
+    kind : str
+        What the file is, for the report.
+    """
     described = arrays.get(parameters.NAME)
     arrays = {name: array for name, array in arrays.items() if name != parameters.NAME}
     names = {name.lower(): name for name in arrays}
@@ -133,7 +177,18 @@ def poses_among(
 
 
 def codes_of(words: NDArray[np.str_]) -> NDArray[np.uint32]:
-    """Return words as rows of code points (T, letters), for files that hold numbers alone."""
+    """Return words as rows of code points, for files that hold numbers alone.
+
+    Parameters
+    ----------
+    words : (T,) array of str
+        One word a sample, such as a certificate's status.
+
+    Returns
+    -------
+    (T, letters) integer array
+        Code points, zero after the end of a word.
+    """
     letters = np.ascontiguousarray(words)
     return letters.view(np.uint32).reshape(len(letters), -1)
 
@@ -234,7 +289,25 @@ def _scalar(array: NDArray[Any]) -> float | None:
 
 
 def floats(array: NDArray[Any], where: str) -> Floats:
-    """Return real numbers as floats; refuse anything else."""
+    """Return real numbers as floats; refuse anything else.
+
+    Parameters
+    ----------
+    array : (...) array
+        Numbers of any kind.
+    where : str
+        File (and variable) name for messages.
+
+    Returns
+    -------
+    (...) array
+        The numbers as floats.
+
+    Raises
+    ------
+    LogError
+        When they are not real numbers.
+    """
     if array.dtype.kind not in "fiu":
         raise LogError(f"{where}: holds {array.dtype}, expected real numbers")
     with np.errstate(all="ignore"):  # what does not fit becomes NaN or infinite, and is refused

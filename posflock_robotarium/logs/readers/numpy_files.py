@@ -31,6 +31,16 @@ LARGEST_ARCHIVE = 1 << 28
 def read_npy(path: Path) -> NDArray[Any]:
     """Read one array, memory-mapped where that is possible.
 
+    Parameters
+    ----------
+    path : Path
+        A file ``.npy``.
+
+    Returns
+    -------
+    (...) array
+        The array, of whatever type.
+
     Raises
     ------
     LogError
@@ -59,6 +69,16 @@ def read_npy(path: Path) -> NDArray[Any]:
 
 def read_npz(path: Path) -> dict[str, NDArray[Any]]:
     """Read every array of a ``.npz`` archive.
+
+    Parameters
+    ----------
+    path : Path
+        A file ``.npz``.
+
+    Returns
+    -------
+    dict of (...) arrays
+        By name.
 
     Raises
     ------
@@ -118,6 +138,18 @@ def _header(file: IO[bytes], where: str) -> tuple[tuple[int, ...], np.dtype[Any]
 
 def fields_of(array: NDArray[Any], where: str) -> Mapping[str, NDArray[Any]]:
     """Return the fields of a structured array as separate arrays.
+
+    Parameters
+    ----------
+    array : (T,) array
+        A structured array.
+    where : str
+        File (and variable) name for messages.
+
+    Returns
+    -------
+    mapping of str to (T, ...) arrays
+        By the field's name.
 
     Raises
     ------

@@ -22,17 +22,41 @@ LARGEST = 16 << 20
 
 
 def to_json(parameters: Mapping[str, Any]) -> str:
-    """Return parameters as one line of ASCII, whatever their strings hold."""
+    """Return parameters as one line of ASCII, whatever their strings hold.
+
+    Parameters
+    ----------
+    parameters : mapping
+        What the log says about its run.
+    """
     return json.dumps(dict(parameters), default=_plain)
 
 
 def to_bytes(parameters: Mapping[str, Any]) -> NDArray[np.uint8]:
-    """Return parameters as an array, for files of arrays."""
+    """Return parameters as an array, for files of arrays.
+
+    Parameters
+    ----------
+    parameters : mapping
+        What the log says about its run.
+
+    Returns
+    -------
+    (k,) integer array
+        The bytes of their JSON.
+    """
     return np.frombuffer(to_json(parameters).encode("ascii"), dtype=np.uint8)
 
 
 def from_json(text: str | bytes, where: str) -> dict[str, Any]:
     """Read parameters back.
+
+    Parameters
+    ----------
+    text : str or bytes
+        What `to_json` gave.
+    where : str
+        File (and variable) name for messages.
 
     Raises
     ------
@@ -54,6 +78,13 @@ def from_json(text: str | bytes, where: str) -> dict[str, Any]:
 
 def from_array(array: NDArray[Any], where: str) -> dict[str, Any]:
     """Read parameters back from the bytes of `to_bytes`, in whatever number type they come.
+
+    Parameters
+    ----------
+    array : (...) array
+        The bytes of `to_bytes`, as numbers of any kind.
+    where : str
+        File (and variable) name for messages.
 
     Raises
     ------

@@ -18,12 +18,31 @@ FIELDS = row_type(1).names or ()
 
 
 def is_pose_log(array: NDArray[Any]) -> bool:
-    """Tell whether an array holds the rows of a pose log."""
+    """Tell whether an array holds the rows of a pose log.
+
+    Parameters
+    ----------
+    array : (...) array
+        What a file holds.
+    """
     return array.dtype.names == FIELDS and array.ndim == 1
 
 
 def run_of(file: Path, rows: NDArray[Any]) -> Run:
-    """Read our own log, whether the run ended well, was killed, or still goes on."""
+    """Read our own log, whether the run ended well, was killed, or still goes on.
+
+    Parameters
+    ----------
+    file : Path
+        The log's file; its description lies beside it.
+    rows : (T,) array
+        Rows of a pose log, a structured array.
+
+    Raises
+    ------
+    LogError
+        When the rows are not those of a pose log, or none was reached.
+    """
     if rows["pose"].ndim != 3 or rows["t"].ndim != 1 or rows.dtype["pose"].base.kind != "f":
         raise LogError(f"{file}: fields of a pose log with other shapes, {rows.dtype}")
     robots = rows["pose"].shape[2]

@@ -91,10 +91,19 @@ def read_parts(paths: Sequence[str | os.PathLike[str]], options: ReadOptions | N
     The files are either consecutive parts, each with its own poses, in order of time; or they
     complement each other (``poses.npy`` and ``time.npy``; ``x.npy``, ``y.npy``, ``theta.npy``).
 
+    Parameters
+    ----------
+    paths : sequence of path
+        Files of one run; consecutive parts in order of time.
+    options : ReadOptions, optional
+        What the user says.
+
     Raises
     ------
     LogError, LayoutError
         As `read`, and when the parts do not fit together.
+    ParameterError
+        When there is no file.
     """
     options = options or ReadOptions()
     files = [_existing(Path(path)) for path in paths]

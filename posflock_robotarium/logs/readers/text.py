@@ -51,7 +51,23 @@ _ROBOT_FIRST = re.compile(
 
 @dataclass(frozen=True)
 class Table:
-    """Numbers of a text file, the names of its columns if it has any, and the first row's line."""
+    """A text file of numbers.
+
+    Attributes
+    ----------
+    values : (rows, columns) array
+        Its numbers, a row a line.
+    names : tuple of str
+        Names of the columns; empty where it has none.
+    delimiter : str
+        What stands between two columns.
+    first_line : int
+        Line of the first row, counted from 1.
+    parameters : mapping
+        What a comment in front says about the run.
+    decimal_comma : bool
+        Whether commas between digits are decimal points.
+    """
 
     values: Floats
     names: tuple[str, ...]
@@ -129,7 +145,7 @@ def read_text(
     Parameters
     ----------
     path : Path
-        The file.
+        A text or CSV file.
     layout : str, optional
         For a table without header: one of `layouts.NAMES`.
     columns : str, optional
@@ -138,9 +154,9 @@ def read_text(
 
     Returns
     -------
-    t : ndarray, shape (T,), or None
+    t : (T,) array or None
         Seconds.
-    poses : ndarray, shape (T, 3, N)
+    poses : (T, 3, N) array
         Metres and radians.
     notes : list of str
         How it was read.

@@ -22,7 +22,17 @@ class RpsFirst:
     """Finds ``rps`` on PYTHONPATH even where a copy of the simulator lies beside the script."""
 
     def find_spec(self, name: str, path: "Any" = None, target: "Any" = None) -> "Any":
-        """Find ``rps``, and nothing else."""
+        """Find ``rps``, and nothing else.
+
+        Parameters
+        ----------
+        name : str
+            Dotted name of the module.
+        path : iterable of str or None
+            Folders of its package; nothing depends on it.
+        target : module, optional
+            Python's; nothing depends on it.
+        """
         if name != "rps":
             return None
         folders = os.environ.get("PYTHONPATH", "").split(os.pathsep)

@@ -99,8 +99,26 @@ def create_single_integrator_barrier_certificate_with_boundary(
 ) -> Filter:
     """Create ``f(dxi, x)`` that keeps robots in the arena too, half a radius from its sides.
 
-    `boundary_points` are x_min, x_max, y_min, y_max (m); anything else raises BoundaryError when
-    ``f`` is called. The rest is as in :func:`create_single_integrator_barrier_certificate`.
+    Parameters
+    ----------
+    barrier_gain : float
+        γ of the rows, > 0: the larger, the faster robots may close in.
+    safety_radius : float
+        Smallest distance between two robots (m, >= 0.12).
+    magnitude_limit : float
+        Wanted velocities are scaled down to this (m/s, > 0, <= 0.2) before they are certified.
+    boundary_points : (4,) array
+        x_min, x_max, y_min, y_max (m); anything else raises BoundaryError when ``f`` is called.
+
+    Returns
+    -------
+    callable
+        As that of :func:`create_single_integrator_barrier_certificate`.
+
+    Raises
+    ------
+    NumberError
+        A parameter is of the wrong type or outside its range.
     """
     return _single_integrator(
         barrier_gain, safety_radius, magnitude_limit, walls=(boundary_points,)
@@ -113,9 +131,28 @@ def create_single_integrator_barrier_certificate2(
     safety_radius: float = 0.17,
     magnitude_limit: float = 0.2,
 ) -> Filter:
-    """Create ``f(dxi, x)`` that drives robots apart that are too close, by `unsafe_barrier_gain`.
+    """Create ``f(dxi, x)`` that drives robots apart that are too close.
 
-    The rest is as in :func:`create_single_integrator_barrier_certificate`.
+    Parameters
+    ----------
+    barrier_gain : float
+        γ of the rows, > 0: the larger, the faster robots may close in.
+    unsafe_barrier_gain : float
+        γ of pairs that are too close already, > 0.
+    safety_radius : float
+        Smallest distance between two robots (m, >= 0.12).
+    magnitude_limit : float
+        Wanted velocities are scaled down to this (m/s, > 0, <= 0.2) before they are certified.
+
+    Returns
+    -------
+    callable
+        As that of :func:`create_single_integrator_barrier_certificate`.
+
+    Raises
+    ------
+    NumberError
+        A parameter is of the wrong type or outside its range.
     """
     number("unsafe_barrier_gain", unsafe_barrier_gain, above=0)
     return _single_integrator(barrier_gain, safety_radius, magnitude_limit, unsafe_barrier_gain)
@@ -165,8 +202,28 @@ def create_unicycle_barrier_certificate_with_boundary(
 ) -> Filter:
     """Create ``f(dxu, x)`` that keeps robots in the arena too.
 
-    `boundary_points` are x_min, x_max, y_min, y_max (m); anything else raises BoundaryError when
-    ``f`` is called. The rest is as in :func:`create_unicycle_barrier_certificate`.
+    Parameters
+    ----------
+    barrier_gain : float
+        γ of the rows, > 0: the larger, the faster robots may close in.
+    safety_radius : float
+        Distance to keep (m), as in :func:`create_unicycle_barrier_certificate`.
+    projection_distance : float
+        How far ahead of the centres the certified points lie (m).
+    magnitude_limit : float
+        As in :func:`create_unicycle_barrier_certificate` (m/s).
+    boundary_points : (4,) array
+        x_min, x_max, y_min, y_max (m); anything else raises BoundaryError when ``f`` is called.
+
+    Returns
+    -------
+    callable
+        As that of :func:`create_unicycle_barrier_certificate`.
+
+    Raises
+    ------
+    NumberError
+        A parameter is of the wrong type or outside its range.
     """
     return _unicycle(
         barrier_gain, safety_radius, projection_distance, magnitude_limit, walls=(boundary_points,)
@@ -180,9 +237,30 @@ def create_unicycle_barrier_certificate2(
     projection_distance: float = 0.05,
     magnitude_limit: float = 0.2,
 ) -> Filter:
-    """Create ``f(dxu, x)`` that drives robots apart that are too close, by `unsafe_barrier_gain`.
+    """Create ``f(dxu, x)`` that drives robots apart that are too close.
 
-    The rest is as in :func:`create_unicycle_barrier_certificate`.
+    Parameters
+    ----------
+    barrier_gain : float
+        γ of the rows, > 0: the larger, the faster robots may close in.
+    unsafe_barrier_gain : float
+        γ of pairs that are too close already, > 0.
+    safety_radius : float
+        Distance to keep (m), as in :func:`create_unicycle_barrier_certificate`.
+    projection_distance : float
+        How far ahead of the centres the certified points lie (m).
+    magnitude_limit : float
+        As in :func:`create_unicycle_barrier_certificate` (m/s).
+
+    Returns
+    -------
+    callable
+        As that of :func:`create_unicycle_barrier_certificate`.
+
+    Raises
+    ------
+    NumberError
+        A parameter is of the wrong type or outside its range.
     """
     number("unsafe_barrier_gain", unsafe_barrier_gain, above=0)
     return _unicycle(
@@ -262,9 +340,36 @@ def create_unicycle_differential_drive_barrier_certificate_with_boundary(
 ) -> WheelFilter:
     """Create ``robust_barriers(dxu, x, obstacles)`` that keeps robots in the arena too.
 
-    `boundary_points` are x_min, x_max, y_min, y_max (m); anything else raises BoundaryError at the
-    call. The walls do not allow for the disturbance, as published. The rest is as in
-    :func:`create_unicycle_differential_drive_barrier_certificate`.
+    The walls do not allow for the disturbance, as published.
+
+    Parameters
+    ----------
+    max_num_obstacle_points, max_num_robots : int
+        Most obstacles and robots that a call may have.
+    disturbance : float
+        Unwanted speed of a wheel (rad/s, either way) that robots stay safe under.
+    wheel_vel_limit : float
+        Fastest that a wheel turns (rad/s).
+    base_length, wheel_radius : float
+        Of the robots (m).
+    projection_distance : float
+        How far ahead of the centres the certified points lie (m).
+    barrier_gain : float
+        γ of the rows.
+    safety_radius : float
+        Smallest distance between two points, or a point and an obstacle (m).
+    boundary_points : (4,) array
+        x_min, x_max, y_min, y_max (m); anything else raises BoundaryError at the call.
+
+    Returns
+    -------
+    callable
+        As that of :func:`create_unicycle_differential_drive_barrier_certificate`.
+
+    Raises
+    ------
+    NumberError, ZeroDivisionError
+        A parameter is not a number, or zero where robots need an extent.
     """
     return robust_wheels(
         RobustWheels(

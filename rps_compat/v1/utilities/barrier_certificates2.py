@@ -27,9 +27,33 @@ def create_robust_barriers(
 ) -> Callable[[Array, Array, Array], Any]:
     """Create ``robust_barriers(dxu, x, obstacles)``: safe commands that the wheels can obey.
 
-    `d` is the disturbance of the wheels (rad/s) and `gamma` the gain; for everything else see
-    :func:`rps_compat.v1.utilities.barrier_certificates.\
-create_unicycle_differential_drive_barrier_certificate`.
+    Parameters
+    ----------
+    max_num_obstacles, max_num_robots : int
+        Most obstacles and robots that a call may have.
+    d : float
+        Unwanted speed of a wheel (rad/s, either way) that robots stay safe under.
+    wheel_vel_limit : float
+        Fastest that a wheel turns (rad/s).
+    base_length, wheel_radius : float
+        Of the robots (m).
+    projection_distance : float
+        How far ahead of the centres the certified points lie (m).
+    gamma : float
+        γ of the rows.
+    safety_radius : float
+        Smallest distance between two points, or a point and an obstacle (m).
+
+    Returns
+    -------
+    callable
+        From commands (v; ω) (2, N), poses (3, N) and obstacles (2, M), which are points, to
+        commands (2, N).
+
+    Raises
+    ------
+    NumberError, ZeroDivisionError
+        A parameter is not a number, or zero where robots need an extent.
     """
     certified = robust_wheels(
         RobustWheels(

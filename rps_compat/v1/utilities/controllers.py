@@ -42,7 +42,22 @@ class PoseController(Protocol):
     """A function of poses and goals that may be told who is still approaching."""
 
     def __call__(self, states: Array, poses: Array, approach_state: Array = ...) -> Array:
-        """Commands (v; ω) (2, N)."""
+        """Return commands that bring robots to their poses.
+
+        Parameters
+        ----------
+        states : (3, N) array
+            Poses now, m and rad.
+        poses : (3, N) array
+            Poses to reach, m and rad.
+        approach_state : (1, 1) array
+            Of a single robot: zero lets it turn where it stands.
+
+        Returns
+        -------
+        (2, N) array
+            Commands (v; ω), m/s and rad/s.
+        """
 
 
 def create_si_position_controller(

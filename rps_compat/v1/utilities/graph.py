@@ -20,30 +20,103 @@ __all__ = [
 
 
 def cycle_GL(N: int) -> Array:  # noqa: N802
-    """Laplacian (N, N) of a ring; NumberError unless `N` is an int of at least 1."""
+    """Return the Laplacian of a ring.
+
+    Parameters
+    ----------
+    N : int
+        Number of nodes.
+
+    Returns
+    -------
+    (N, N) array
+        Degrees on the diagonal, −1 for each edge, else 0.
+
+    Raises
+    ------
+    NumberError
+        `N` is not an int >= 1.
+    """
     count("N", N, least=1)
     return graphs.cycle(N)
 
 
 def lineGL(N: int) -> Array:  # noqa: N802
-    """Laplacian (N, N) of a line; NumberError unless `N` is an int of at least 1."""
+    """Return the Laplacian of a line.
+
+    Parameters
+    ----------
+    N : int
+        Number of nodes.
+
+    Returns
+    -------
+    (N, N) array
+        Degrees on the diagonal, −1 for each edge, else 0.
+
+    Raises
+    ------
+    NumberError
+        `N` is not an int >= 1.
+    """
     count("N", N, least=1)
     return graphs.line(N)
 
 
 def completeGL(N: int) -> Array:  # noqa: N802
-    """Laplacian (N, N) of the complete graph; NumberError unless `N` is an int >= 1."""
+    """Return the Laplacian of the complete graph.
+
+    Parameters
+    ----------
+    N : int
+        Number of nodes.
+
+    Returns
+    -------
+    (N, N) array
+        Degrees on the diagonal, −1 for each edge, else 0.
+
+    Raises
+    ------
+    NumberError
+        `N` is not an int >= 1.
+    """
     count("N", N)
     return graphs.complete(N)
 
 
 def randomGL(v: int, e: int) -> Array:  # noqa: N802
-    """Laplacian (v, v) of a random graph with `e` edges, as many as there can be at most."""
+    """Return the Laplacian of a random graph.
+
+    Parameters
+    ----------
+    v : int
+        Number of nodes.
+    e : int
+        Number of edges, as many as there can be at most.
+
+    Returns
+    -------
+    (v, v) array
+        Degrees on the diagonal, −1 for each edge, else 0.
+    """
     return graphs.random(v, e)
 
 
 def random_connectedGL(v: int, e: int) -> Array:  # noqa: N802
-    """Laplacian (v, v) of a random tree with `e` more edges, as many as there can be at most.
+    """Return the Laplacian of a random tree with some edges more.
+
+    Parameters
+    ----------
+    v : int
+        Number of nodes.
+    e : int
+        Number of edges beyond the tree's, as many as there can be at most.
+
+    Returns
+    -------
+    (v, v) array
+        Degrees on the diagonal, −1 for each edge, else 0.
 
     Raises
     ------
@@ -56,9 +129,21 @@ def random_connectedGL(v: int, e: int) -> Array:  # noqa: N802
 
 
 def topological_neighbors(L: Array, agent: int) -> Indices:
-    """Neighbours of `agent` in the graph of the Laplacian `L` (n, n), ascending.
+    """Return the neighbours of an agent in a graph, ascending.
 
     As published, and unlike in generation 2, ``L[agent, agent]`` is zero afterwards.
+
+    Parameters
+    ----------
+    L : (n, n) array
+        Laplacian of the graph.
+    agent : int
+        The agent's number.
+
+    Returns
+    -------
+    (k,) integer array
+        Numbers of the neighbours.
 
     Raises
     ------
@@ -74,12 +159,21 @@ def topological_neighbors(L: Array, agent: int) -> Indices:
 
 
 def delta_disk_neighbors(poses: Array, agent: int, delta: float) -> Indices:
-    """Robots no farther than `delta` (m) from `agent`, ascending.
+    """Return the robots no farther than a radius from one, ascending.
 
     Parameters
     ----------
-    poses : array
-        Positions or poses (2 or 3, N); headings are not read.
+    poses : (2, N) or (3, N) array
+        Positions or poses, m; headings are not read.
+    agent : int
+        The agent in the middle.
+    delta : float
+        Radius around it (m); who is exactly there counts.
+
+    Returns
+    -------
+    (k,) integer array
+        Numbers of the neighbours.
 
     Raises
     ------

@@ -40,7 +40,7 @@ NO_FIGURE_HEIGHT = 115.5
 def generate_initial_conditions(
     N: int, spacing: float = 0.3, width: float = 3, height: float = 1.8
 ) -> Array:
-    """Random poses (3, N) in a centred rectangle, with a distance to keep.
+    """Draw poses in a centred rectangle, with a distance to keep.
 
     Draws from numpy's global generator: two numbers a candidate, then N headings.
 
@@ -52,6 +52,11 @@ def generate_initial_conditions(
         Smallest distance between two centres (m, > 0).
     width, height : float
         Of the rectangle (m, > 0).
+
+    Returns
+    -------
+    (3, N) array
+        Poses, m and rad.
 
     Raises
     ------
@@ -72,19 +77,19 @@ def generate_initial_conditions(
 def at_pose(
     states: Array, poses: Array, position_error: float = 0.05, rotation_error: float = 0.2
 ) -> tuple[Indices, ...]:
-    """Which robots are at their poses.
+    """Return which robots are at their poses.
 
     Parameters
     ----------
-    states, poses : array
-        Where they are and where they should be, (3, N).
+    states, poses : (3, N) array
+        Where they are and where they should be, m and rad.
     position_error, rotation_error : float
         How near is near enough (m, rad).
 
     Returns
     -------
-    tuple of one array
-        Indices of the robots that have arrived, as :func:`numpy.nonzero` gives them.
+    tuple of one (k,) integer array
+        Numbers of the robots that have arrived.
 
     Raises
     ------
@@ -99,19 +104,28 @@ def at_pose(
 
 
 def at_position(states: Array, points: Array, position_error: float = 0.02) -> tuple[Indices, ...]:
-    """Which robots are at their points: indices, as :func:`numpy.nonzero` gives them.
+    """Return which robots are at their points: indices, as :func:`numpy.nonzero` gives them.
 
     Parameters
     ----------
-    states, points : array
-        Poses (3, N), and where the robots should be (2, N).
+    states : (3, N) array
+        Where the robots are, m and rad.
+    points : (2, N) array
+        Where they should be, m.
     position_error : float
         How near is near enough (m).
+
+    Returns
+    -------
+    tuple of one (k,) integer array
+        Numbers of the robots that have arrived.
 
     Raises
     ------
     NotAnArrayError, ShapeError, NumberError
         An argument is of the wrong type or shape.
+    NameError
+        The function is wanted as published.
     """
     number("position_error", position_error)
     matrix("states", states, 3)
@@ -129,7 +143,15 @@ MARGIN = 0.1
 
 
 def determine_marker_size(robotarium_instance: Any, marker_size_meters: float) -> float:
-    """Size `s` for ``scatter`` (points²) of a marker of `marker_size_meters` (m) in the figure."""
+    """Return the size `s` for ``scatter`` (points²) of a marker in the figure.
+
+    Parameters
+    ----------
+    robotarium_instance : Robotarium
+        Whose figure it is.
+    marker_size_meters : float
+        Its diameter in the arena (m).
+    """
     if not robotarium_instance.show_figure:
         return float((NO_FIGURE_WIDTH * marker_size_meters) ** 2)
     width, _ = _figure_pixels(robotarium_instance)
@@ -138,7 +160,15 @@ def determine_marker_size(robotarium_instance: Any, marker_size_meters: float) -
 
 
 def determine_font_size(robotarium_instance: Any, font_height_meters: float) -> float:
-    """Font size (points) of letters of `font_height_meters` (m) in the figure."""
+    """Return the size (points) of letters in the figure.
+
+    Parameters
+    ----------
+    robotarium_instance : Robotarium
+        Whose figure it is.
+    font_height_meters : float
+        Their height in the arena (m).
+    """
     if not robotarium_instance.show_figure:
         return float(NO_FIGURE_HEIGHT * font_height_meters)
     _, height = _figure_pixels(robotarium_instance)
@@ -161,7 +191,18 @@ def _pixels_to_edge(width: float, edge: float) -> float:
 
 
 def rotation_matrix(theta: Any) -> Array:
-    """Rotations about the vertical axis, (M, 3, 3) for M angles `theta` (rad); last release."""
+    """Return rotations about the vertical axis, as the last release does.
+
+    Parameters
+    ----------
+    theta : (M,) array-like
+        Angles, rad.
+
+    Returns
+    -------
+    (M, 3, 3) array
+        A rotation matrix for each.
+    """
     return np.moveaxis(rotations(theta), 2, 0)
 
 
@@ -172,16 +213,16 @@ def calculate_global_distance_points(
 
     Parameters
     ----------
-    robotarium_instance
+    robotarium_instance : Robotarium
         Where the sensors sit.
-    poses
-        Poses (3, N) at which they read, metres and radians.
-    distances
-        What they read (7, N), metres.
+    poses : (3, N) array
+        Poses at which they read, m and rad.
+    distances : (7, N) array
+        What they read, m.
 
     Returns
     -------
-    ndarray (2, 7, N)
-        The points, metres; NaN where nothing was read.
+    (2, 7, N) array
+        The points, m; NaN where nothing was read.
     """
     return distance_points(robotarium_instance, poses, distances)

@@ -69,6 +69,23 @@ def create_si_to_uni_dynamics_with_backwards_motion(
 
     The name promises robots that drive backwards rather than turn round; in generation 1 they
     turn round. Generation 2 keeps the promise.
+
+    Parameters
+    ----------
+    linear_velocity_gain : float
+        Factor on the forward speed, > 0.
+    angular_velocity_limit : float
+        Turn rate (rad/s, >= 0) for a velocity at a right angle to the heading.
+
+    Returns
+    -------
+    callable
+        From velocities (2, N) in m/s and poses (3, N) to commands (v; ω) (2, N).
+
+    Raises
+    ------
+    NumberError
+        A parameter is outside its range.
     """
     return create_si_to_uni_dynamics(linear_velocity_gain, angular_velocity_limit)
 

@@ -17,14 +17,26 @@ class NoInertialUpdateError(RobotariumError, NotImplementedError):
 
 
 class UnicycleEKF(UnicycleFilter):
-    """Estimates the pose of one robot; see :class:`UnicycleFilter` for the other parameters.
+    """Estimates the pose of one robot, see :class:`UnicycleFilter`.
 
     Parameters
     ----------
-    R_gps
-        Covariance (2, 2) of measured positions, m²; None where there are none.
-    R_imu
-        Covariance (3, 3) of inertial measurements; kept, and used by nothing.
+    initial_state : (3,) array
+        Pose, m and rad.
+    initial_covariance : (3, 3) array
+        Of that pose, m² and rad².
+    b : float
+        Length of the axle, from wheel to wheel, m.
+    r : float
+        Radius of the wheels, m.
+    M : (2, 2) array
+        Covariance of the speeds that the encoders tell, right wheel first, rad²/s².
+    Q : (3, 3) array
+        Covariance that the model gains in a second.
+    R_gps : (2, 2) array, optional
+        Covariance of measured positions, m²; None where there are none.
+    R_imu : (3, 3) array, optional
+        Covariance of inertial measurements; kept, and used by nothing.
     """
 
     def __init__(
@@ -42,7 +54,12 @@ class UnicycleEKF(UnicycleFilter):
         self.R_gps, self.R_imu = R_gps, R_imu
 
     def update_gps(self, gps_measurement: Array) -> None:
-        """Correct by a measured position (2,) of the axle's middle, m.
+        """Correct by a measured position of the axle's middle.
+
+        Parameters
+        ----------
+        gps_measurement : (2,) array
+            The position, m.
 
         Raises
         ------
@@ -53,6 +70,11 @@ class UnicycleEKF(UnicycleFilter):
 
     def update_imu(self, imu_measurement: Array) -> None:
         """Refuse an inertial measurement, as the published filter does.
+
+        Parameters
+        ----------
+        imu_measurement : (...) array
+            Not looked at.
 
         Raises
         ------

@@ -45,12 +45,12 @@ class GTERNALPatchData:
 
     Attributes
     ----------
-    vertices
-        Points in the robot's frame, (V, 2), metres: forward, left.
-    faces
-        One list of indices into `vertices` for each face, drawn in this order.
-    colors
-        Colours of the faces, (F, 3), parts from 0 to 1.
+    vertices : (V, 2) array
+        Points in the robot's frame, m: forward, left.
+    faces : list of list of int
+        Indices into `vertices`, one list for each face, drawn in this order.
+    colors : (F, 3) array
+        Colours of the faces, parts from 0 to 1.
     """
 
     vertices: NDArray[np.floating]
@@ -80,11 +80,11 @@ class GTERNALRobotPatch:
 
     Parameters
     ----------
-    axes
+    axes : Axes
         Where they are drawn.
-    pose
-        x and y in metres, heading in radians, (3,).
-    patch_data
+    pose : (3,) array
+        x and y, m, and heading, rad.
+    patch_data : GTERNALPatchData, optional
         Outline; by default :func:`gternal_patch`.
     """
 
@@ -117,7 +117,13 @@ class GTERNALRobotPatch:
         return placed
 
     def set_pose(self, pose: NDArray[np.floating]) -> None:
-        """Move the patches to `pose` (3,): metres and radians."""
+        """Move the patches.
+
+        Parameters
+        ----------
+        pose : (3,) array
+            x and y, m, and heading, rad.
+        """
         outline = self._transform(self.data.vertices, pose)
         for face, patch in zip(self.data.faces, self.patches, strict=True):
             vertices = np.asarray(patch.get_path().vertices)  # a view: the path's own points
@@ -125,13 +131,25 @@ class GTERNALRobotPatch:
             patch.stale = True
 
     def set_led(self, rgb: NDArray[np.floating]) -> None:
-        """Colour the LED: `rgb` (3,) with parts from 0 to 1, or from 0 to 255."""
+        """Colour the LED.
+
+        Parameters
+        ----------
+        rgb : (3,) array
+            Red, green and blue, parts from 0 to 1, or from 0 to 255.
+        """
         color = np.asarray(rgb, dtype=float).ravel()
         scale = 255.0 if color.max(initial=0.0) > 1 else 1.0
         self.patches[_LED].set_facecolor(tuple(np.clip(color / scale, 0, 1)))
 
     def set_zorder(self, zorder: int) -> None:
-        """Draw the robot above everything of a lower `zorder`."""
+        """Draw the robot above everything that is lower.
+
+        Parameters
+        ----------
+        zorder : int
+            How high, as for matplotlib's artists.
+        """
         for patch in self.patches:
             patch.set_zorder(zorder)
 

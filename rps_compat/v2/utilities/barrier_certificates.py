@@ -52,7 +52,22 @@ class ObstacleFilter(Protocol):
     """A function of commands and poses that may be told of obstacles."""
 
     def __call__(self, dxu: Array, x: Array, obstacles: Array | None = ...) -> Array:
-        """Commands (v; ω) (2, N)."""
+        """Return the safe commands nearest to those wanted.
+
+        Parameters
+        ----------
+        dxu : (2, N) array
+            Commands (v; ω), m/s and rad/s.
+        x : (3, N) array
+            Poses, m and rad.
+        obstacles : (2, M) array, optional
+            Points that stand still, m.
+
+        Returns
+        -------
+        (2, N) array
+            Commands (v; ω), m/s and rad/s.
+        """
 
 
 def create_si_barrier_certificate(
@@ -87,9 +102,22 @@ def create_si_barrier_certificate_with_boundary(
 ) -> Filter:
     """Create ``barrier_certificate(dxi, x)`` that has walls too, to keep half a radius from.
 
-    `boundary_points` are x_min, x_max, y_min, y_max (m), by default 10 cm outside the arena;
-    anything else raises BoundaryError at the call. The rest is as in
-    :func:`create_si_barrier_certificate`.
+    Parameters
+    ----------
+    safety_radius : float
+        Smallest distance between two robots (m).
+    barrier_gain : float
+        γ of the rows: the larger, the faster robots may close in.
+    magnitude_limit : float
+        No velocity leaves the octagon within the circle of this radius (m/s).
+    boundary_points : (4,) array, optional
+        x_min, x_max, y_min, y_max (m), by default 10 cm outside the arena; anything else raises
+        BoundaryError at the call.
+
+    Returns
+    -------
+    callable
+        As that of :func:`create_si_barrier_certificate`.
     """
     walls = AROUND_ARENA if boundary_points is None else boundary_points
     return _single_integrator(safety_radius, barrier_gain, magnitude_limit, walls)
@@ -148,15 +176,23 @@ def create_uni_barrier_certificate_with_boundary(
 
     Parameters
     ----------
-    boundary_points : array, optional
+    safety_radius : float
+        Distance to keep (m), as in :func:`create_uni_barrier_certificate`.
+    barrier_gain : float
+        γ of the rows: the larger, the faster robots may close in.
+    projection_distance : float
+        How far ahead of the centres the certified points lie (m, > 0).
+    velocity_magnitude_limit : float
+        No point leaves the octagon of velocities within the circle of this radius (m/s).
+    boundary_points : (4,) array, optional
         x_min, x_max, y_min, y_max (m), by default the arena; anything else raises BoundaryError at
         the call. Points ahead keep half their radius from its sides.
 
     Returns
     -------
     callable
-        As that of :func:`create_uni_barrier_certificate`, where the other parameters stand;
-        `obstacles` (2, M) are points that stand still, and are kept off like robots.
+        As that of :func:`create_uni_barrier_certificate`; `obstacles` (2, M) are points that stand
+        still, and are kept off like robots.
 
     Raises
     ------

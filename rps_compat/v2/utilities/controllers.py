@@ -42,7 +42,24 @@ class HybridController(Protocol):
     def __call__(
         self, states: Array, poses: Array, in_approach_state: MutableSequence[int] | None = ...
     ) -> Any:
-        """Commands (v; ω) (2, N), and the memory if it was handed in."""
+        """Return commands that bring robots to their poses.
+
+        Parameters
+        ----------
+        states : (3, N) array
+            Poses now, m and rad.
+        poses : (3, N) array
+            Poses to reach, m and rad.
+        in_approach_state : sequence of N flags, optional
+            Who is still approaching; updated in place.
+
+        Returns
+        -------
+        commands : (2, N) array
+            Commands (v; ω), m/s and rad/s.
+        in_approach_state : sequence of N flags
+            The memory, if it was handed in.
+        """
 
 
 def create_si_position_controller(
@@ -183,8 +200,28 @@ def create_pose_parking_controller_clf(
 ) -> Controller:
     """Create ``controller_clf_parking(states, poses)``: a smooth curve, and stop at the pose.
 
-    As :func:`create_pose_controller_clf`, but a robot within `position_error` (m) and
-    `rotation_error` (rad) of its pose stands still.
+    Parameters
+    ----------
+    approach_angle_gain, desired_angle_gain, rotation_error_gain : float
+        γ, k and h of :func:`rps_compat.controllers.command_to_pose`.
+    wheel_velocity_limit : float
+        A command that needs faster wheels (rad/s) is scaled down as a whole.
+    wheel_radius, base_length : float
+        Of the robot (m).
+    position_error, rotation_error : float
+        A robot that is within both of its pose (m, rad) stands still.
+
+    Returns
+    -------
+    callable
+        As that of :func:`create_pose_controller_clf`.
+
+    Raises
+    ------
+    NumberError
+        `wheel_radius` or `base_length` is not a number.
+    ZeroDivisionError, numpy.linalg.LinAlgError
+        `base_length` or `wheel_radius` is zero.
     """
     approach = create_pose_controller_clf(
         approach_angle_gain,
@@ -272,9 +309,30 @@ def create_pose_parking_controller_hybrid(
 ) -> Controller:
     """Create ``controller_hybrid_parking(states, poses)``: drive, turn, and stand at the pose.
 
-    The controller of :func:`create_pose_controller_hybrid`, but a robot within `position_error`
-    (m) and `rotation_error` (rad) of its pose stands still; who is approaching is always
-    remembered inside.
+    Parameters
+    ----------
+    linear_velocity_gain : float
+        Factor on the forward speed while driving, > 0.
+    angular_velocity_limit : float
+        Turn rate (rad/s, >= 0) for a goal at a right angle while driving.
+    velocity_magnitude_limit : float
+        Fastest speed while driving (m/s).
+    position_error, position_epsilon : float
+        A robot drives until it is within `position_error` − `position_epsilon` (m) of its goal, and
+        again in the step after it was seen farther than `position_error` away.
+    rotation_error : float
+        A robot within this (rad) and `position_error` of its pose stands still.
+
+    Returns
+    -------
+    callable
+        From poses (3, N) and goals (3, N) to commands (v; ω) (2, N). Who is approaching is always
+        remembered inside.
+
+    Raises
+    ------
+    NumberError
+        A parameter is outside its range.
     """
     step = _Hybrid(
         create_si_to_uni_dynamics(linear_velocity_gain, angular_velocity_limit),

@@ -20,25 +20,85 @@ __all__ = [
 
 
 def cycleGL(n: int) -> Array:  # noqa: N802
-    """Laplacian (n, n) of a ring; NumberError unless `n` is an int of at least 3."""
+    """Return the Laplacian of a ring.
+
+    Parameters
+    ----------
+    n : int
+        Number of nodes.
+
+    Returns
+    -------
+    (n, n) array
+        Degrees on the diagonal, −1 for each edge, else 0.
+
+    Raises
+    ------
+    NumberError
+        `n` is not an int >= 3.
+    """
     count("n", n, least=3)
     return graphs.cycle(n)
 
 
 def lineGL(n: int) -> Array:  # noqa: N802
-    """Laplacian (n, n) of a line; NumberError unless `n` is an int of at least 2."""
+    """Return the Laplacian of a line.
+
+    Parameters
+    ----------
+    n : int
+        Number of nodes.
+
+    Returns
+    -------
+    (n, n) array
+        Degrees on the diagonal, −1 for each edge, else 0.
+
+    Raises
+    ------
+    NumberError
+        `n` is not an int >= 2.
+    """
     count("n", n, least=2)
     return graphs.line(n)
 
 
 def completeGL(n: int) -> Array:  # noqa: N802
-    """Laplacian (n, n) of the complete graph; NumberError unless `n` is an int >= 1."""
+    """Return the Laplacian of the complete graph.
+
+    Parameters
+    ----------
+    n : int
+        Number of nodes.
+
+    Returns
+    -------
+    (n, n) array
+        Degrees on the diagonal, −1 for each edge, else 0.
+
+    Raises
+    ------
+    NumberError
+        `n` is not an int >= 1.
+    """
     count("n", n)
     return graphs.complete(n)
 
 
 def randomGL(v: int, e: int) -> Array:  # noqa: N802
-    """Laplacian (v, v) of a random graph with `e` edges, as many as there can be at most.
+    """Return the Laplacian of a random graph.
+
+    Parameters
+    ----------
+    v : int
+        Number of nodes.
+    e : int
+        Number of edges, as many as there can be at most.
+
+    Returns
+    -------
+    (v, v) array
+        Degrees on the diagonal, −1 for each edge, else 0.
 
     Raises
     ------
@@ -51,7 +111,19 @@ def randomGL(v: int, e: int) -> Array:  # noqa: N802
 
 
 def random_connectedGL(v: int, e: int) -> Array:  # noqa: N802
-    """Laplacian (v, v) of a random tree with `e` more edges, as many as there can be at most.
+    """Return the Laplacian of a random tree with some edges more.
+
+    Parameters
+    ----------
+    v : int
+        Number of nodes.
+    e : int
+        Number of edges beyond the tree's, as many as there can be at most.
+
+    Returns
+    -------
+    (v, v) array
+        Degrees on the diagonal, −1 for each edge, else 0.
 
     Raises
     ------
@@ -64,7 +136,19 @@ def random_connectedGL(v: int, e: int) -> Array:  # noqa: N802
 
 
 def topological_neighbors(L: Array, agent: int) -> Indices:
-    """Neighbours of `agent` in the graph of the Laplacian `L` (n, n), ascending.
+    """Return the neighbours of an agent in a graph, ascending.
+
+    Parameters
+    ----------
+    L : (n, n) array
+        Laplacian of the graph.
+    agent : int
+        The agent's number.
+
+    Returns
+    -------
+    (k,) integer array
+        Numbers of the neighbours.
 
     Raises
     ------
@@ -79,12 +163,21 @@ def topological_neighbors(L: Array, agent: int) -> Indices:
 
 
 def delta_disk_neighbors(poses: Array, agent: int, delta: float) -> Indices:
-    """Robots no farther than `delta` (m) from `agent`, ascending.
+    """Return the robots no farther than a radius from one, ascending.
 
     Parameters
     ----------
-    poses : array
-        Positions or poses (2 or 3, N); headings are not read.
+    poses : (2, N) or (3, N) array
+        Positions or poses, m; headings are not read.
+    agent : int
+        The agent in the middle.
+    delta : float
+        Radius around it (m); who is exactly there counts.
+
+    Returns
+    -------
+    (k,) integer array
+        Numbers of the neighbours.
 
     Raises
     ------

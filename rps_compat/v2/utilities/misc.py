@@ -45,7 +45,7 @@ class NoFigureError(RobotariumError, AttributeError):
 def generate_random_positions(
     N: int, spacing: float = 0.5, width: float = 3.0, height: float = 1.8
 ) -> Array:
-    """Random positions (2, N) in a centred rectangle, with a distance to keep.
+    """Draw positions in a centred rectangle, with a distance to keep.
 
     Draws from numpy's global generator, two numbers a candidate.
 
@@ -57,6 +57,11 @@ def generate_random_positions(
         Smallest distance between two centres (m, > 0).
     width, height : float
         Of the rectangle (m, > 0).
+
+    Returns
+    -------
+    (2, N) array
+        Positions, m.
 
     Raises
     ------
@@ -77,7 +82,29 @@ def generate_random_positions(
 def generate_random_poses(
     N: int, spacing: float = 0.5, width: float = 3.0, height: float = 1.8
 ) -> Array:
-    """Random poses (3, N): :func:`generate_random_positions`, then N random headings (rad)."""
+    """Draw positions as :func:`generate_random_positions` does, then headings.
+
+    Parameters
+    ----------
+    N : int
+        How many robots.
+    spacing : float
+        Smallest distance between two centres (m, > 0).
+    width, height : float
+        Of the rectangle (m, > 0).
+
+    Returns
+    -------
+    (3, N) array
+        Poses, m and rad.
+
+    Raises
+    ------
+    NumberError
+        A parameter is of the wrong type or outside its range.
+    CrowdedError
+        So many robots do not fit, or did not fit within 10,000 candidates.
+    """
     positions = generate_random_positions(N, spacing, width, height)
     headings = (np.random.rand(N) - 0.5) * 2 * HALF_TURN  # noqa: NPY002
     return np.vstack([positions, headings])
@@ -86,7 +113,7 @@ def generate_random_poses(
 def generate_initial_poses(
     N: int, width: float = 3.0, height: float = 1.0
 ) -> NDArray[np.floating[Any]]:
-    """Poses (3, N) drawn from 22 places in two rows that look at each other.
+    """Draw poses from 22 places in two rows that look at each other.
 
     Draws from Python's global generator, ``random``.
 
@@ -96,6 +123,11 @@ def generate_initial_poses(
         How many robots, 0 to 22.
     width, height : float
         Length of the rows, and the distance between them (m).
+
+    Returns
+    -------
+    (3, N) array
+        Poses, m and rad.
 
     Raises
     ------
@@ -160,7 +192,14 @@ def create_at_position(
 
 
 def determine_font_size(robotarium_instance: ARobotarium, font_height_meters: float) -> float:
-    """Font size (points) of letters of `font_height_meters` (m) in the figure.
+    """Return the size (points) of letters in the figure.
+
+    Parameters
+    ----------
+    robotarium_instance : Robotarium
+        Whose figure it is.
+    font_height_meters : float
+        Their height in the arena (m).
 
     Raises
     ------
@@ -178,10 +217,27 @@ def determine_font_size(robotarium_instance: ARobotarium, font_height_meters: fl
 
 
 def rotation_matrix(theta: Any) -> Array:
-    """Rotations about the vertical axis, (3, 3, M) for M angles `theta` (rad) of any shape."""
+    """Return rotations about the vertical axis.
+
+    Parameters
+    ----------
+    theta : (...) array-like
+        M angles in any shape, rad.
+
+    Returns
+    -------
+    (3, 3, M) array
+        A rotation matrix for each.
+    """
     return rotations(theta)
 
 
 def unique_filename(file_name: str) -> str:
-    """`file_name` with the present date and time: ``data_2026_04_23_09_00_00.npy``."""
+    """Return a file's name with the present date and time: ``data_2026_04_23_09_00_00.npy``.
+
+    Parameters
+    ----------
+    file_name : str
+        The beginning of the name.
+    """
     return f"{file_name}_{datetime.now():%Y_%m_%d_%H_%M_%S}.npy"

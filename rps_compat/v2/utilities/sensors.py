@@ -21,22 +21,27 @@ def simulate_distance_sensors(
     distance_sensor_dropout_prob: float,
     distance_sensor_outlier_prob: float,
 ) -> NDArray[np.floating]:
-    """Simulate S sensors on N robots that see obstacles and each other: readings (S, N) in metres.
+    """Simulate distance sensors on robots that see obstacles and each other.
 
     Parameters
     ----------
-    poses
-        Poses of the robots, (3, N).
-    obstacles
-        Segments (M, 2, 2), or None.
-    distance_sensors_orientation
-        Sensors on the body, (3, S): forward, left (metres), direction (radians).
-    robot_diameter, robot_center_offset
-        Diameter of the bodies, and how far their centres lie ahead of the poses, metres.
-    distance_sensor_range
-        Farthest reading, metres; beyond it a sensor reads −1.
-    distance_sensor_error, distance_sensor_dropout_prob, distance_sensor_outlier_prob
+    poses : (3, N) array
+        Poses of the robots, m and rad.
+    obstacles : (M, 2, 2) array or None
+        Segments, m.
+    distance_sensors_orientation : (3, S) array
+        Sensors on the body: forward, left (m), direction (rad).
+    robot_diameter, robot_center_offset : float
+        Diameter of the bodies, and how far their centres lie ahead of the poses, m.
+    distance_sensor_range : float
+        Farthest reading, m; beyond it a sensor reads −1.
+    distance_sensor_error, distance_sensor_dropout_prob, distance_sensor_outlier_prob : float
         Spread of the proportional error; probabilities of a −1 and of an outlier.
+
+    Returns
+    -------
+    (S, N) array
+        Readings, m.
 
     Raises
     ------
@@ -69,9 +74,30 @@ def simulate_distance_sensors_without_robots(
     distance_sensor_dropout_prob: float,
     distance_sensor_outlier_prob: float,
 ) -> NDArray[np.floating]:
-    """Simulate sensors that see obstacles only, and sit about the poses: readings (S, N).
+    """Simulate distance sensors that see obstacles only, and sit about the poses.
 
-    Parameters as for :func:`simulate_distance_sensors`.
+    Parameters
+    ----------
+    poses : (3, N) array
+        Poses of the robots, m and rad.
+    obstacles : (M, 2, 2) array or None
+        Segments, m.
+    distance_sensors_orientation : (3, S) array
+        Sensors on the body: forward, left (m), direction (rad).
+    distance_sensor_range : float
+        Farthest reading, m; beyond it a sensor reads −1.
+    distance_sensor_error, distance_sensor_dropout_prob, distance_sensor_outlier_prob : float
+        Spread of the proportional error; probabilities of a −1 and of an outlier.
+
+    Returns
+    -------
+    (S, N) array
+        Readings, m.
+
+    Raises
+    ------
+    SensorError
+        An array of the wrong shape; it is an IndexError.
     """
     distances = cast_rays(
         np.asarray(poses, dtype=float),

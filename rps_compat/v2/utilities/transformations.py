@@ -59,11 +59,27 @@ def create_si_to_uni_dynamics(
 def create_si_to_uni_dynamics_with_backwards_motion(
     linear_velocity_gain: float = 1, angular_velocity_limit: float = np.pi
 ) -> Callable[[Array, Array], Array]:
-    """Create ``si_to_uni(dxi, states)``: as above, but drive backwards rather than turn round.
+    """Create ``si_to_uni(dxi, states)`` that drives backwards rather than turn round.
 
     A velocity from behind is met with the robot's back, so the turn rate never exceeds
-    `angular_velocity_limit`. Parameters, result and errors are those of
-    :func:`create_si_to_uni_dynamics`.
+    `angular_velocity_limit`.
+
+    Parameters
+    ----------
+    linear_velocity_gain : float
+        Factor on the forward speed, > 0.
+    angular_velocity_limit : float
+        Turn rate (rad/s, >= 0) for a velocity at a right angle to the heading.
+
+    Returns
+    -------
+    callable
+        From velocities (2, N) in m/s and poses (3, N) to commands (v; ω) (2, N).
+
+    Raises
+    ------
+    NumberError
+        A parameter is outside its range.
     """
     number("linear_velocity_gain", linear_velocity_gain, above=0)
     number("angular_velocity_limit", angular_velocity_limit, least=0)

@@ -13,14 +13,35 @@ __all__ = ["UnicycleEKF", "np", "time", "wrap_angle"]
 
 
 def wrap_angle(angle: Any) -> Any:
-    """`angle` (rad) brought into [−π, π]."""
+    """Bring an angle into [−π, π].
+
+    Parameters
+    ----------
+    angle : float or (...) array
+        The angle, rad.
+    """
     return wrap(angle)
 
 
 class UnicycleEKF(UnicycleFilter):
-    """Estimates the pose of one robot; see :class:`UnicycleFilter` for the parameters.
+    """Estimates the pose of one robot, see :class:`UnicycleFilter`.
 
     Variances of measurements come with each measurement.
+
+    Parameters
+    ----------
+    initial_state : (3,) array
+        Pose, m and rad.
+    initial_covariance : (3, 3) array
+        Of that pose, m² and rad².
+    b : float
+        Length of the axle, from wheel to wheel, m.
+    r : float
+        Radius of the wheels, m.
+    M : (2, 2) array
+        Covariance of the speeds that the encoders tell, right wheel first, rad²/s².
+    Q : (3, 3) array
+        Covariance that the model gains in a second.
     """
 
     def __init__(
@@ -39,10 +60,10 @@ class UnicycleEKF(UnicycleFilter):
 
         Parameters
         ----------
-        gps_measurement
-            Position (2,), m.
-        R_gps
-            Its covariance (2, 2), m².
+        gps_measurement : (2,) array
+            Position, m.
+        R_gps : (2, 2) array
+            Its covariance, m².
 
         Raises
         ------
@@ -58,11 +79,11 @@ class UnicycleEKF(UnicycleFilter):
 
         Parameters
         ----------
-        beacon_position
-            Where it stands (2,), m.
-        range_measurement
+        beacon_position : (2,) array
+            Where it stands, m.
+        range_measurement : float
             Its distance, m.
-        R_range
+        R_range : float
             Variance of that, m².
 
         Raises
@@ -82,11 +103,11 @@ class UnicycleEKF(UnicycleFilter):
 
         Parameters
         ----------
-        beacon_position
-            Where it stands (2,), m.
-        bearing_measurement
+        beacon_position : (2,) array
+            Where it stands, m.
+        bearing_measurement : float
             Its direction from the robot's heading, counter-clockwise, rad.
-        R_bearing
+        R_bearing : float
             Variance of that, rad².
 
         Raises
