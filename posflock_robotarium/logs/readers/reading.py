@@ -16,17 +16,12 @@ from numpy.typing import NDArray
 
 from posflock_robotarium.flocking.errors import LogError, ParameterError
 from posflock_robotarium.flocking.pose_log import log_paths
-from posflock_robotarium.logs.readers.matlab import read_mat
-from posflock_robotarium.logs.readers.named_arrays import (
-    Found,
-    ReadOptions,
-    floats,
-    poses_among,
-    poses_of_array,
-)
-from posflock_robotarium.logs.readers.numpy_files import fields_of, read_npy, read_npz
-from posflock_robotarium.logs.readers.pose_logs import FIELDS, is_pose_log, run_of
-from posflock_robotarium.logs.readers.text import STATE_NAMES, TIME_NAMES, read_text
+from posflock_robotarium.logs.readers.forms import form_of
+from posflock_robotarium.logs.readers.found import Found, ReadOptions
+from posflock_robotarium.logs.readers.named_arrays import poses_among
+from posflock_robotarium.logs.readers.names import STATE_NAMES, TIME_NAMES
+from posflock_robotarium.logs.readers.numpy_arrays import NPY, read_npy
+from posflock_robotarium.logs.readers.pose_logs import FIELDS, POSE_LOG, run_of
 from posflock_robotarium.logs.run import LayoutError, Run
 
 Floats = NDArray[np.float64]
@@ -59,10 +54,9 @@ def read(path: str | os.PathLike[str], options: ReadOptions | None = None) -> Ru
     """
     options = options or ReadOptions()
     file = _existing(Path(path))
-    kind = _kind(file)
-    if kind == "npy" and is_pose_log(array := read_npy(file)):
-        return run_of(file, array)
-    found = _find(file, kind, options)
+    found = form_of(file).read(file, options)
+    if isinstance(found, Run):
+        return found
     return _recording(found, file.stem, (str(file),), options)
 
 
@@ -80,8 +74,8 @@ def read_pose_log(path: str | os.PathLike[str]) -> Run:
         When the file is missing, damaged or no pose log, or holds fewer than two rows.
     """
     file = _existing(Path(path))
-    if _kind(file) == "npy" and is_pose_log(array := read_npy(file)):
-        return run_of(file, array)
+    if form_of(file) is POSE_LOG:
+        return run_of(file, read_npy(file))
     raise LogError(f"{file}: not a pose log; expected rows with the fields {', '.join(FIELDS)}")
 
 
@@ -121,43 +115,6 @@ def _existing(path: Path) -> Path:
     if path.is_dir():
         raise LogError(f"{path}: a folder; name the log file in it")
     raise LogError(f"{path}: no such file")
-
-
-def _kind(file: Path) -> str:
-    try:
-        with file.open("rb") as stream:
-            start = stream.read(520)
-    except OSError as error:
-        raise LogError(f"{file}: cannot be read ({error.strerror})") from error
-    if not start:
-        raise LogError(f"{file}: empty file")
-    if start.startswith(b"\x93NUMPY"):
-        return "npy"
-    if start.startswith((b"PK\x03\x04", b"PK\x05\x06")):
-        return "npz"
-    if start.startswith(b"MATLAB") or b"\x89HDF\r\n\x1a\n" in (start[:8], start[512:520]):
-        return "mat"
-    if start[:1] == b"\x80" or file.suffix in (".pkl", ".pickle"):
-        raise LogError(f"{file}: a pickle, which can run code when read: refused; save an .npz")
-    if file.suffix in (".npy", ".npz", ".mat"):
-        raise LogError(f"{file}: not a {file.suffix} file, or its beginning is damaged")
-    return "text"
-
-
-def _find(file: Path, kind: str, options: ReadOptions) -> Found:
-    where = str(file)
-    if kind == "text":
-        t, poses, notes, said = read_text(file, options.layout, options.columns)
-        return Found(t, poses, tuple(notes), parameters=said)
-    if kind == "npz":
-        return poses_among(read_npz(file), where, options, "NumPy archive")
-    if kind == "mat":
-        variables, version = read_mat(file)
-        return poses_among(variables, where, options, f"{version} file")
-    array = read_npy(file)
-    if array.dtype.names is not None:
-        return poses_among(fields_of(array, where), where, options, "structured NumPy array")
-    return poses_of_array(floats(array, where), where, options)
 
 
 def _usual_step(t: Floats) -> float:
@@ -234,7 +191,7 @@ def _reached(poses: Floats) -> int:
 
 def _complementary(files: list[Path]) -> dict[str, NDArray[Any]] | None:
     """Return the files as named arrays when one of them is a time, or they are x, y and θ."""
-    if any(_kind(file) != "npy" for file in files):
+    if any(form_of(file) is not NPY for file in files):
         return None
     # run3_x, run3_y and run3_theta are x, y and theta.
     starts = {file.stem.rpartition("_")[0] + "_" for file in files}
