@@ -1,27 +1,11 @@
 """Which forms of files can be read: a registry, one entry a form, one module each.
 
 A form says how its files are recognised, and reads them. To add one, write a module with a function
-that returns the poses as `Found`, and register it:
+that returns the poses as `Found` and with a `Form`, and give it its line in ``__init__.py`` of this
+package; a module elsewhere calls `register`. docs/report.md shows a whole one.
 
->>> import numpy as np
->>> def read_track(file, options):
-...     rows = np.loadtxt(file, skiprows=1)
-...     return Found(rows[:, 0], rows[:, 1:, np.newaxis], ("track of one robot",))
->>> TRACK = Form(
-...     name="track",
-...     label="`.track`",
-...     summary="one robot: t, x, y, theta under a line that says TRACK",
-...     told_by=Sign.SIGNATURE,
-...     recognises=lambda file, start: start.startswith(b"TRACK"),
-...     read=read_track,
-... )
->>> with registered(TRACK):
-...     "track" in [form.name for form in known_forms()]
-True
-
-A form of this package has its line in `readers/__init__.py`; another module calls `register`.
-Forms are asked from the surest sign to the weakest, so that a registered form need not know which
-others there are: what a file's content says beats its first bytes, and these beat its ending.
+Forms are asked from the surest sign to the weakest, so that an entry need not know which others
+there are: what a file's content says beats its first bytes, and these beat its ending.
 """
 
 from __future__ import annotations
