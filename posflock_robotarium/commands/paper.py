@@ -41,6 +41,6 @@ def reproduce(
         return
     for judgement in found.judgements:
         typer.echo(f"{judgement.verdict:14} {judgement.claim.id:28} {judgement.value:.3g}")
-    verdicts = ", ".join(f"{count} {verdict}" for verdict, count in found.verdicts.items())
+    verdicts = ", ".join(f"{count} {verdict.value}" for verdict, count in found.verdicts.items())
     typer.echo(f"{len(found.judgements)} claims: {verdicts}")
     typer.echo(f"written: {out}/claims.md, claims.json, tables.md, figures/")

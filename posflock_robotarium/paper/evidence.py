@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, as_completed
 from dataclasses import dataclass, replace
+from enum import Enum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,24 +41,41 @@ _IMPRINTED = (Model.POSITION, Model.POSITION_NO_THRESHOLD)
 _POSITION_NOISE = (0.0, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5)
 
 
+class Study(Enum):
+    """What is varied: a heading, and the unit of the values that it takes."""
+
+    TIME_STEP = "time step", "s"
+    DISTANCE_SCALE = "distance scale δ", "m"
+    PERSISTENCE = "persistence k", "1/s"
+    THREE_DIMENSIONS = "three dimensions", ""
+    LARGER_TEAMS = "times as many agents", ""
+    POSITION_NOISE = "position noise", "m"
+    DROPOUT = "dropout", ""
+    DELAY = "delay", "s"
+    VANISHING = "vanishing agents", ""
+    STOPPING = "stopping agents", ""
+    DIFFERENTIATED_NOISE = "differentiated noise", "m"
+
+    def __init__(self, title: str, unit: str) -> None:
+        self.title = title
+        self.unit = unit
+
+
 @dataclass(frozen=True)
 class Variation:
     """One parameter changed.
 
     Attributes
     ----------
-    study : str
-        What is varied, a heading: "time step", "position noise"...
-    unit : str
-        Of `value`.
+    study : Study
+        What is varied.
     value : float
-        What it is set to.
+        What it is set to, in the unit of the study.
     scenario : FreeSpace
         The simulation that follows.
     """
 
-    study: str
-    unit: str
+    study: Study
     value: float
     scenario: FreeSpace
 
@@ -122,18 +140,18 @@ class Evidence:
         """Return the summary numbers of the paper's simulation over seeds."""
         return summarise(self.measures[model])
 
-    def study(self, name: str, model: Model) -> tuple[Floats, list[dict[str, Floats]]]:
+    def study(self, study: Study, model: Model) -> tuple[Floats, list[dict[str, Floats]]]:
         """Return the values of a variation, and the summary numbers at each, over seeds."""
         chosen = [
             (variation.value, summarise(measures))
             for variation, measures in self.variations
-            if variation.study == name and variation.scenario.model is model
+            if variation.study is study and variation.scenario.model is model
         ]
         return np.array([value for value, _ in chosen]), [numbers for _, numbers in chosen]
 
-    def at(self, name: str, model: Model, value: float) -> dict[str, Floats]:
+    def at(self, study: Study, model: Model, value: float) -> dict[str, Floats]:
         """Return the summary numbers of one variation at one value."""
-        values, numbers = self.study(name, model)
+        values, numbers = self.study(study, model)
         return numbers[int(np.flatnonzero(values == value)[0])]
 
 
@@ -143,40 +161,40 @@ def variations(paper: FreeSpace) -> Iterator[Variation]:
     both = (Model.VELOCITY, Model.POSITION)
     for value in (0.0125, 0.025, 0.05, 0.1, 0.2):
         for model in Model:
-            yield Variation("time step", "s", value, replace(base, model=model, time_step=value))
+            yield Variation(Study.TIME_STEP, value, replace(base, model=model, time_step=value))
     for value in (0.3, 0.4, 0.5, 0.6, 0.8):
         for model in both:
             law = replace(base.law, distance_scale=value)
-            yield Variation("distance scale δ", "m", value, replace(base, model=model, law=law))
+            yield Variation(Study.DISTANCE_SCALE, value, replace(base, model=model, law=law))
     for value in (0.02, 0.05, 0.1, 0.2, 0.5, 1.0):
         law = replace(base.law, persistence=value)
-        yield Variation("persistence k", "1/s", value, replace(base, law=law))
+        yield Variation(Study.PERSISTENCE, value, replace(base, law=law))
     for model in Model:
         cube = replace(base, model=model, dimensions=3, side=CUBE_SIDE)
-        yield Variation("three dimensions", "", 3.0, cube)
+        yield Variation(Study.THREE_DIMENSIONS, 3.0, cube)
     for model in both:
         larger = replace(base, model=model, agents=2 * base.agents, side=base.side * 2.0**0.5)
-        yield Variation("times as many agents", "", 2.0, larger)
+        yield Variation(Study.LARGER_TEAMS, 2.0, larger)
         for value in _POSITION_NOISE:
             blurred = replace(base, model=model, sensing=Sensing(position_noise=value))
-            yield Variation("position noise", "m", value, blurred)
+            yield Variation(Study.POSITION_NOISE, value, blurred)
         for value in (0.0, 0.02, 0.05, 0.1, 0.2):
             lossy = replace(base, model=model, sensing=Sensing(dropout=value))
-            yield Variation("dropout", "", value, lossy)
+            yield Variation(Study.DROPOUT, value, lossy)
         for value in (0.0, 0.05, 0.1, 0.2):
             late = replace(base, model=model, sensing=Sensing(delay=value))
-            yield Variation("delay", "s", value, late)
+            yield Variation(Study.DELAY, value, late)
         for value in (0.0, 0.02, 0.1, 0.2, 0.4):
             stuck = Sensing(failing=value, failure="stop")
             gone = replace(stuck, failure="vanish") if value else stuck
-            yield Variation("vanishing agents", "", value, replace(base, model=model, sensing=gone))
-            yield Variation("stopping agents", "", value, replace(base, model=model, sensing=stuck))
+            yield Variation(Study.VANISHING, value, replace(base, model=model, sensing=gone))
+            yield Variation(Study.STOPPING, value, replace(base, model=model, sensing=stuck))
     for value in _POSITION_NOISE:
         # The error of a difference of two positions, over the time between them.
         velocity_noise = 2.0**0.5 * value / DIFFERENCE_INTERVAL
         noisy = Sensing(position_noise=value, velocity_noise=velocity_noise)
         scenario = replace(base, model=Model.VELOCITY, sensing=noisy)
-        yield Variation("differentiated noise", "m", value, scenario)
+        yield Variation(Study.DIFFERENTIATED_NOISE, value, scenario)
 
 
 def gather(

@@ -15,8 +15,6 @@ from posflock_robotarium.paper.claims import judge_all
 from posflock_robotarium.paper.evidence import Evidence, gather
 from posflock_robotarium.paper.tables import over_seeds, qualitative, varied
 
-_MARKS: dict[Verdict, str] = {"holds": "✓", "holds weakly": "~", "does not hold": "✗"}
-
 
 @dataclass(frozen=True, eq=False)
 class Reproduction:
@@ -119,7 +117,7 @@ def claims_page(judgements: list[Judgement], evidence: Evidence) -> str:
         "",
         f"{len(judgements)} sentences over seeds {first} to {last} ({len(evidence.seeds)} runs of"
         " each model; variations and robots over half as many): "
-        + ", ".join(f"{counted[verdict]} {mark} {verdict}" for verdict, mark in _MARKS.items())
+        + ", ".join(f"{counted[v]} {v.mark} {v.value}" for v in Verdict)
         + ".  Verdicts are computed from the thresholds stated with each claim.",
         "",
         "| | claim | measured | verdict |",
@@ -128,13 +126,13 @@ def claims_page(judgements: list[Judgement], evidence: Evidence) -> str:
     for judgement in judgements:
         claim = judgement.claim
         lines.append(
-            f"| {_MARKS[judgement.verdict]} | [{claim.id}](#{claim.id}) |"
-            f" {judgement.value:.3g} {claim.unit} | {judgement.verdict} |"
+            f"| {judgement.verdict.mark} | [{claim.id}](#{claim.id}) |"
+            f" {judgement.value:.3g} {claim.unit} | {judgement.verdict.value} |"
         )
     for judgement in judgements:
         claim = judgement.claim
         lines += ["", f"## {claim.id}", "", f"> {claim.claim}", "", f"**Test:** {claim.test}."]
-        lines += ["", f"**{judgement.verdict.capitalize()}.** {judgement.reason}"]
+        lines += ["", f"**{judgement.verdict.value.capitalize()}.** {judgement.reason}"]
     return "\n".join(lines)
 
 
