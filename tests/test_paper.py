@@ -148,6 +148,19 @@ def test_a_folder_that_cannot_be_written_is_refused_before_computing(tmp_path):
         reproduce(blocked / "below", seeds=2)
 
 
+def test_the_command_prints_every_claim_with_its_verdict(found, tmp_path, monkeypatch):
+    monkeypatch.setattr(
+        "posflock_robotarium.paper.reproduction.reproduce", lambda *args, **kwargs: found
+    )
+    result = CliRunner().invoke(app, ["reproduce", "-o", str(tmp_path)])
+    lines = result.output.splitlines()
+    for judgement, line in zip(found.judgements, lines, strict=False):
+        words = judgement.verdict.value.split()
+        assert line.split()[: len(words) + 1] == [*words, judgement.claim.id]
+    weak = sum(j.verdict is Verdict.DOES_NOT_HOLD for j in found.judgements)
+    assert f"{weak} does not hold" in lines[len(found.judgements)]
+
+
 def test_the_command_explains_itself():
     result = CliRunner().invoke(app, ["reproduce", "--help"])
     assert result.exit_code == 0
