@@ -98,7 +98,7 @@ def test_the_nine_robot_experiment_passes_unchanged():
     script = ZOO.parents[1] / "experiments" / "robotarium_9bot.py"
     report = verify(script, trials=20)
     assert report.verdict is Verdict.PASS, report.findings
-    assert report.figures()["robots"] == 9
+    assert report.figures.robots == 9
 
 
 def test_nothing_is_left_behind_by_scripts_that_write_elsewhere():

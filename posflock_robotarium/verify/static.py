@@ -11,7 +11,6 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 from posflock_robotarium.verify.constants import constant
 from posflock_robotarium.verify.files import check_files
@@ -152,46 +151,40 @@ def check_imports(source: Source) -> Iterator[Finding]:
 
 def _missing(source: Source, missing: import_graph.Missing) -> Finding:
     statement = missing.statement
-    place: dict[str, Any] = {"line": statement.line, "file": _file(source, missing.wanted_by)}
+
+    def fail(code: str, message: str, advice: str) -> Finding:
+        file = _file(source, missing.wanted_by)
+        return Finding(code, Verdict.FAIL, message, advice, line=statement.line, file=file)
+
     if statement.top == libraries.STAND_IN:
-        return Finding(
+        return fail(
             "stand-in",
-            Verdict.FAIL,
             f"{statement.module} stands in for rps on this machine only",
             "import rps, and rps_compat in `except ImportError`",
-            **place,
         )
     if statement.relative:
-        return Finding(
+        return fail(
             "module-missing",
-            Verdict.FAIL,
             f"the relative import of {statement.module or 'its own package'!r} needs a package,"
             " but the main file is none",
             "import it by its plain name",
-            **place,
         )
     if statement.top in libraries.ABSENT:
-        return Finding(
+        return fail(
             "library-absent",
-            Verdict.FAIL,
             f"the testbed has no {statement.top}",
             libraries.ABSENT[statement.top],
-            **place,
         )
     if missing.installed_here:
-        return Finding(
+        return fail(
             "library-absent",
-            Verdict.FAIL,
             f"{statement.top} is not in the testbed's list of libraries",
             "do without it, or put its source files beside the script",
-            **place,
         )
-    return Finding(
+    return fail(
         "module-missing",
-        Verdict.FAIL,
         f"there is no module {statement.module}: neither beside the script nor on the testbed",
         f"put {statement.top}.py beside {source.path.name}, or correct the name",
-        **place,
     )
 
 

@@ -11,13 +11,14 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from posflock_robotarium.verify.files import files_read
+from posflock_robotarium.verify.request import Request
 from posflock_robotarium.verify.source import Source
 from rps_compat import testbed
 from rps_compat.profiles import profile_to_dict
@@ -111,7 +112,7 @@ class ForkServer:
             self._process.communicate()
             self._process = None
 
-    def ask(self, request: dict[str, Any]) -> Iterator[Outcome]:
+    def ask(self, request: Request) -> Iterator[Outcome]:
         """Yield the outcome of each trial of `request` when it is done."""
         if self._process is None or self._process.poll() is not None:
             self._process = self._start()
@@ -119,7 +120,7 @@ class ForkServer:
         assert process.stdin is not None
         assert process.stdout is not None
         with contextlib.suppress(BrokenPipeError):
-            process.stdin.write(json.dumps(request) + "\n")
+            process.stdin.write(request.line())
             process.stdin.flush()
         for line in iter(process.stdout.readline, ""):
             if not line.strip():
@@ -235,19 +236,20 @@ class TrialRoom:
     ) -> list[Ran]:
         """Run the trials, several at a time, and return them in the order of `plans`."""
         preload = [m for top in sorted(self.source.trace.libraries) for m in _PRELOAD.get(top, [])]
-        request = {
-            "preload": [
+        generation = f"rps_compat.v{self.generation}"
+        request = Request(
+            tuple(plans),
+            (
                 "matplotlib.pyplot",
                 "rps_compat.profiles",
-                f"rps_compat.v{self.generation}.drawing",
-                f"rps_compat.v{self.generation}.robotarium",
+                f"{generation}.drawing",
+                f"{generation}.robotarium",
                 *preload,
-            ],
-            "plans": [asdict(plan) for plan in plans],
-            "jobs": self.limits.jobs,
-            "stall": self.limits.stall,
-            "seconds": self.limits.seconds,
-        }
+            ),
+            self.limits.jobs,
+            self.limits.stall,
+            self.limits.seconds,
+        )
         found: dict[str, Outcome] = {}
         for outcome in self._server.ask(request):
             found[outcome.name] = outcome
