@@ -90,22 +90,26 @@ def reproduce(
         progress=progress,
     )
     judgements = judge_all(evidence)
+    for name, text in _texts(evidence, judgements).items():
+        paths.append(folder / name)
+        paths[-1].write_text(text.rstrip("\n") + "\n", encoding="utf-8")
+    paths.extend(draw_all(evidence, folder / "figures"))
+    return Reproduction(evidence, judgements, paths)
+
+
+def _texts(evidence: Evidence, judgements: list[Judgement]) -> dict[str, str]:
+    """Return claims and tables as text, by the name of the file."""
     tables = {
         "table_seeds": over_seeds(evidence),
         "table_qualitative": qualitative(evidence),
         "table_variations": varied(evidence),
     }
-    texts = {
+    return {
         "claims.md": claims_page(judgements, evidence),
         "claims.json": json.dumps([j.as_dict() for j in judgements], indent=2, ensure_ascii=False),
         "tables.md": "\n".join(["# Tables", "", *(table.markdown() for table in tables.values())]),
         **{f"{name}.csv": table.csv() for name, table in tables.items()},
     }
-    for name, text in texts.items():
-        paths.append(folder / name)
-        paths[-1].write_text(text.rstrip("\n") + "\n", encoding="utf-8")
-    paths.extend(draw_all(evidence, folder / "figures"))
-    return Reproduction(evidence, judgements, paths)
 
 
 def claims_page(judgements: list[Judgement], evidence: Evidence) -> str:

@@ -21,7 +21,7 @@ import tempfile
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from posflock_robotarium.flocking.errors import OutputError, ParameterError
 from posflock_robotarium.submission.environment import (
@@ -41,6 +41,9 @@ from rps_compat import testbed
 from rps_compat.running.outcome import Ended, Outcome
 from rps_compat.running.plan import RunPlan
 from rps_compat.scripts import import_graph
+
+if TYPE_CHECKING:
+    from rps_compat.realism import Profile
 
 #: What the testbed calls the main file.
 _MAIN = "main.py"
@@ -123,7 +126,7 @@ def rehearse(
     out: Path | str,
     *,
     duration: float = testbed.MAX_DURATION,
-    profile: Any = "gritsbot_x",
+    profile: Profile | str | Path = "gritsbot_x",
     seed: int = 0,
     generation: int = 2,
     initial: str = "arrive",
@@ -170,20 +173,7 @@ def rehearse(
     """
     _refuse_outside_ranges(duration, timeout, initial, generation)
     folder, out = Path(folder), Path(out)
-    plan = RunPlan(
-        script=_MAIN,
-        folder="",  # made below
-        generation=1 if generation == 1 else 2,
-        initial=initial,  # type: ignore[arg-type]  # checked above
-        seed=seed,
-        profile=_table(profile),
-        wait=False,
-        keeps_apart=False,
-        forbidden=("network",),
-        forbidden_to_libraries=True,
-        longest=duration,
-        kills_deaf=True,
-    )
+    plan = _plan(duration, profile, seed, generation, initial)
     manifest = check_manifest(folder)
     _empty(out)
     libraries = import_graph.trace(folder / manifest.main).libraries
@@ -206,13 +196,28 @@ def _refuse_outside_ranges(duration: float, timeout: float, initial: str, genera
         raise ParameterError(f"generation: expected 1 or 2, got {generation}")
 
 
-def _table(profile: Any) -> dict[str, Any] | None:
-    """Return a profile, which may be given by its name or file, as a plan has it."""
+def _plan(
+    duration: float, profile: Profile | str | Path, seed: int, generation: int, initial: str
+) -> RunPlan:
+    """Return how the main file is run, its folder still to be made."""
     from rps_compat.profiles import load_profile, profile_to_dict
     from rps_compat.realism import Profile
 
     chosen = profile if isinstance(profile, Profile) else load_profile(profile)
-    return profile_to_dict(chosen) if chosen.effects else None
+    return RunPlan(
+        script=_MAIN,
+        folder="",
+        generation=1 if generation == 1 else 2,
+        initial=initial,  # type: ignore[arg-type]  # checked above
+        seed=seed,
+        profile=profile_to_dict(chosen) if chosen.effects else None,
+        wait=False,
+        keeps_apart=False,
+        forbidden=("network",),
+        forbidden_to_libraries=True,
+        longest=duration,
+        kills_deaf=True,
+    )
 
 
 def _rehearsed(
