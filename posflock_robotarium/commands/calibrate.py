@@ -63,9 +63,12 @@ def _print_estimates(found: "Calibration") -> None:
     ):
         typer.echo(f"robot {robot}: speed gain {speed}, turn gain {turn}")
         typer.echo(f"         turn bias {bias} rad/s, heading offset {offset} rad")
-    for what, estimate in found.jitter.items():
-        typer.echo(f"{'jitter, ' + what:<18} {estimate} {'rad' if what == 'heading' else 'm'}")
-    for what, estimate in found.disturbance.items():
-        typer.echo(
-            f"{'unexplained ' + what:<18} {estimate} {'m/s' if what == 'speed' else 'rad/s'}"
-        )
+    jitter, unexplained = found.jitter, found.disturbance
+    for what, estimate, unit in (
+        ("jitter, along", jitter.along, "m"),
+        ("jitter, lateral", jitter.lateral, "m"),
+        ("jitter, heading", jitter.heading, "rad"),
+        ("unexplained speed", unexplained.speed, "m/s"),
+        ("unexplained turn", unexplained.turn, "rad/s"),
+    ):
+        typer.echo(f"{what:<18} {estimate} {unit}")

@@ -16,7 +16,7 @@ from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.verify import judge, static
 from posflock_robotarium.verify.ablation import EFFECT_TRIALS, Ablation, ablate
 from posflock_robotarium.verify.endings import FATAL
-from posflock_robotarium.verify.findings import Finding, Verdict
+from posflock_robotarium.verify.findings import Code, Finding, Verdict
 from posflock_robotarium.verify.report import Report, report_of
 from rps_compat import testbed
 from rps_compat.scripts.evidence import evidence_of
@@ -135,9 +135,11 @@ def _verified(
 
     generation, profile = asked.generation, asked.profile.name
     known, source = static.check_source(script, generation, search)
-    if source is None or any(f.code in ("syntax", "module-missing", "stand-in") for f in known):
+    if source is None or any(
+        f.code in (Code.SYNTAX, Code.MODULE_MISSING, Code.STAND_IN) for f in known
+    ):
         return report_of(script, known, generation, profile, declared=asked.declared)
-    if any(finding.code == "generation" for finding in known):
+    if any(finding.code is Code.GENERATION for finding in known):
         # Run it under the generation it was written for: there may be more to tell.
         generation = evidence_of(source.uses).generation
     with running.TrialRoom(source, generation, limits or running.Limits(), server) as room:
@@ -146,8 +148,8 @@ def _verified(
     # Runs name the file of every line; a finding does only where that is not the script.
     found = [replace(f, file="") if f.file == script.name else f for f in found]
     # What is written elsewhere is not the run's data.
-    elsewhere = {f.line for f in found if f.code == "outside-write" and not f.file}
-    known = [f for f in known if f.code != "save-at-end" or f.line not in elsewhere]
+    elsewhere = {f.line for f in found if f.code is Code.OUTSIDE_WRITE and not f.file}
+    known = [f for f in known if f.code is not Code.SAVE_AT_END or f.line not in elsewhere]
     return report_of(
         script, [*known, *found], generation, profile, runs.ideal, runs.trials, asked.declared
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from posflock_robotarium.verify.findings import Finding, Verdict, wilson_interval
+from posflock_robotarium.verify.findings import Code, Finding, Verdict, wilson_interval
 from posflock_robotarium.verify.trials import Ran
 from rps_compat import testbed
 from rps_compat.running.outcome import Ended, Failure, Outcome
@@ -35,13 +35,13 @@ def judge_end(
     """Tell of crashes, hangs, endless loops."""
     if ideal.ended in FATAL:
         finding = _ending(_End(ideal, Verdict.FAIL))
-        waits = ideal.ended is Ended.HUNG and any(f.code == "blocking-call" for f in known)
+        waits = ideal.ended is Ended.HUNG and any(f.code is Code.BLOCKING_CALL for f in known)
         if finding and not waits and not is_explained(ideal.error, known):
             yield finding
         return
     if ideal.ended is Ended.OVER_TIME and not counted:
         yield Finding(
-            "endless",
+            Code.ENDLESS,
             Verdict.RISK,
             f"was still running after {ideal.time or 0.0:.0f} s and had to be interrupted",
             "end the loop after a number of steps",
@@ -68,7 +68,7 @@ class _End:
         return self.outcome.error or Failure()
 
     def finding(
-        self, code: str, message: str, advice: str, verdict: Verdict | None = None
+        self, code: Code, message: str, advice: str, verdict: Verdict | None = None
     ) -> Finding:
         """Return the finding, with the place and time of this end."""
         outcome, error = self.outcome, self.error
@@ -92,18 +92,20 @@ def _ending(end: _End) -> Finding | None:
     what = str(error)
     if outcome.ended is Ended.HUNG:
         message = f"made no step after t = {outcome.time or 0.0:.1f} s and had to be killed"
-        return end.finding("hang", message, "look for an endless loop, or for a wait, at this line")
+        return end.finding(
+            Code.HANG, message, "look for an endless loop, or for a wait, at this line"
+        )
     if outcome.ended is Ended.OUT_OF_MEMORY:
         message = f"needs more memory than the limit ({what})"
-        return end.finding("memory", message, "use smaller arrays")
+        return end.finding(Code.MEMORY, message, "use smaller arrays")
     if outcome.left_with_code:
         message = f"ends with exit code {error.message or 'not 0'}"
-        return end.finding("exit-code", message, "let it end with 0")
+        return end.finding(Code.EXIT_CODE, message, "let it end with 0")
     if "InitialConditionsError" in error.kinds:
         advice = "place the robots inside the arena, at least 0.15 m apart"
-        return end.finding("unreachable-start", what, advice)
+        return end.finding(Code.UNREACHABLE_START, what, advice)
     if "WrongGenerationError" in error.kinds:
-        return end.finding("generation", what, "use the name it gives")
+        return end.finding(Code.GENERATION, what, "use the name it gives")
     return _failed(end)
 
 
@@ -114,7 +116,7 @@ def _failed(end: _End) -> Finding:
     if libraries.is_available(module):  # that is, only this machine lacks it
         distribution = libraries.IMPORT_NAMES.get(module)
         return end.finding(
-            "internal",
+            Code.INTERNAL,
             f"could not be run: the testbed has {module}, but the Python that verifies has not",
             f"`pip install {distribution}` and verify again"
             if distribution
@@ -126,44 +128,56 @@ def _failed(end: _End) -> Finding:
         if not missing.lower().endswith(tuple(testbed.ENDINGS)):
             message = f"reads {missing}, which has an ending that cannot be uploaded"
             advice = f"use one of {' '.join(testbed.ENDINGS)}"
-            return end.finding("file-ending", message, advice)
+            return end.finding(Code.FILE_ENDING, message, advice)
         message = f"reads {missing}, which is not beside the script"
-        return end.finding("file-missing", message, "put it beside the script")
+        return end.finding(Code.FILE_MISSING, message, "put it beside the script")
     newer = newer_library(error.type, error.message)
     if newer:  # that is, only this machine refuses it
-        return end.finding("internal", f"could not be run: {newer}", REHEARSE, Verdict.RISK)
+        return end.finding(Code.INTERNAL, f"could not be run: {newer}", REHEARSE, Verdict.RISK)
     if end.outcome.ended is Ended.DIED:
-        return end.finding("crash", what, "look at the end of its output")
-    return end.finding("crash", f"ends with {what}", "mend this line")
+        return end.finding(Code.CRASH, what, "look at the end of its output")
+    return end.finding(Code.CRASH, f"ends with {what}", "mend this line")
+
+
+@dataclass(frozen=True)
+class _Policy:
+    """What a script must not do, what to do instead, how bad it is, and whether it was stopped."""
+
+    words: str
+    advice: str
+    verdict: Verdict = Verdict.FAIL
+    stopped: bool = True
+
+
+_POLICIES = {
+    Code.OUTSIDE_WRITE: _Policy(
+        "writes outside its own folder",
+        "write into the working folder: only those files come back",
+    ),
+    Code.FORK: _Policy("starts or ends other processes", "do the work in one process"),
+    Code.NETWORK: _Policy("uses the network", "upload what it needs as files", Verdict.RISK),
+    Code.BLOCKING_CALL: _Policy(
+        "waits for somebody, and on the testbed nobody is there", "remove it", stopped=False
+    ),
+}
 
 
 def judge_policy(runs: Sequence[Ran], known: Sequence[Finding]) -> Iterator[Finding]:
     """Tell of writing elsewhere, of other processes, of the network, of questions."""
-    advice = {
-        "outside-write": "write into the working folder: only those files come back",
-        "fork": "do the work in one process",
-        "network": "upload what it needs as files",
-        "blocking-call": "remove it",
-    }
     told = {finding.code for finding in known}
-    words = {
-        "outside-write": "writes outside its own folder",
-        "fork": "starts or ends other processes",
-        "network": "uses the network",
-        "blocking-call": "waits for somebody, and on the testbed nobody is there",
-    }
     for run in runs:
         for violation in run.outcome.policy_violations:
-            kind = violation.kind
-            if kind in told:
+            code = Code(violation.kind)
+            if code in told:
                 continue
-            told.add(kind)
+            told.add(code)
+            policy = _POLICIES[code]
             yield Finding(
-                kind,
-                Verdict.RISK if kind == "network" else Verdict.FAIL,
-                f"{words[kind]} ({violation.what[:120]})"
-                + ("; it was stopped" if kind != "blocking-call" else ""),
-                advice[kind],
+                code,
+                policy.verdict,
+                f"{policy.words} ({violation.what[:120]})"
+                + ("; it was stopped" if policy.stopped else ""),
+                policy.advice,
                 line=violation.line,
                 file=violation.file,
                 time=violation.time or None,

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from posflock_robotarium.verify.findings import wilson_interval
+from posflock_robotarium.verify.findings import Code, wilson_interval
 from posflock_robotarium.verify.timing import recommended_duration
 from rps_compat import testbed
 
@@ -116,8 +116,8 @@ def figures_of(ideal: Outcome, trials: Sequence[Outcome]) -> Figures | None:
         largest_wheel_speed=report.largest_wheel_velocity,
         gap=Smallest(metres(ideal.smallest_gap), _least(o.smallest_gap for o in ran)),
         wall_gap=Smallest(metres(ideal.wall_gap), _least(o.wall_gap for o in ran)),
-        collisions=_hits(ran, "collision"),
-        outside=_hits(ran, "boundary"),
+        collisions=_hits(ran, Code.COLLISION),
+        outside=_hits(ran, Code.BOUNDARY),
     )
 
 
@@ -130,5 +130,5 @@ def _least(gaps: Iterable[Gap | None]) -> float | None:
     return min((gap.metres for gap in gaps if gap is not None), default=None)
 
 
-def _hits(ran: Sequence[Outcome], kind: str) -> Hits | None:
+def _hits(ran: Sequence[Outcome], kind: Code) -> Hits | None:
     return Hits(sum(bool(outcome.faults(kind)) for outcome in ran), len(ran)) if ran else None

@@ -24,6 +24,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from posflock_robotarium.verify.findings import Code
 from posflock_robotarium.verify.request import Request
 from posflock_robotarium.verify.trial import OUTCOME, run_trial
 from rps_compat.running.driver import VIOLATIONS
@@ -162,7 +163,7 @@ def _outcome(child: _Child, status: int, overdue: bool, left: bool) -> Outcome:
         outcome = replace(outcome, ended=Ended.HUNG)
     violations = _violations(child.watched / VIOLATIONS)
     if left:
-        violations.append(PolicyViolation("fork", "left processes running"))
+        violations.append(PolicyViolation(Code.FORK.value, "left processes running"))
     folder = Path(child.plan.folder)
     return replace(outcome, policy_violations=tuple(violations), files=_files(folder))
 

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from posflock_robotarium.verify.endings import judge_end, judge_policy
-from posflock_robotarium.verify.findings import Finding, Verdict, too_many_robots
+from posflock_robotarium.verify.findings import Code, Finding, Verdict, too_many_robots
 from posflock_robotarium.verify.interruptions import judge_data
 from posflock_robotarium.verify.motion import (
     judge_boundary,
@@ -79,10 +79,10 @@ def judge(
             found += judge_loop(ideal, known)
         found += judge_duration(ideal, declared, counted)
         found += judge_data(runs.ideal, runs.interrupted, runs.killed, known)
-    elif ideal.ended is Ended.FINISHED and not any(f.code == "no-finishing-call" for f in known):
+    elif ideal.ended is Ended.FINISHED and not any(f.code is Code.NO_FINISHING_CALL for f in known):
         found.append(
             Finding(
-                "no-step",
+                Code.NO_STEP,
                 Verdict.FAIL,
                 "ends without a single step() of a Robotarium",
                 "call get_poses(), set_velocities() and step() in a loop",
@@ -95,13 +95,13 @@ def _robots(ideal: Outcome, known: Sequence[Finding]) -> Iterator[Finding]:
     """Count robots, and look for the end in order, where the source did not show them."""
     told = {finding.code for finding in known}
     robots = 0 if ideal.report is None else ideal.report.number_of_robots
-    if robots > testbed.MAX_ROBOTS and "too-many-robots" not in told:
+    if robots > testbed.MAX_ROBOTS and Code.TOO_MANY_ROBOTS not in told:
         yield too_many_robots(robots)
     finished = ideal.ended is Ended.FINISHED
-    if finished and not ideal.finishing_call and "no-finishing-call" not in told:
+    if finished and not ideal.finishing_call and Code.NO_FINISHING_CALL not in told:
         right = "debug" if ideal.generation == 2 else "call_at_scripts_end"
         yield Finding(
-            "no-finishing-call",
+            Code.NO_FINISHING_CALL,
             Verdict.RISK,
             f"ends without having called {right}() of its Robotarium, so it says nothing about"
             " its violations",

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from posflock_robotarium.flocking.errors import OutputError
-from posflock_robotarium.verify.findings import CODES, count
+from posflock_robotarium.verify.findings import Code, count
 from posflock_robotarium.verify.terminal import figure_lines
 from rps_compat.testbed import GTERNAL
 
@@ -51,7 +51,7 @@ def html(report: Report) -> str:
     )
     return environment.get_template("verify.html.j2").render(
         report=report,
-        findings=[(finding, CODES[finding.code]) for finding in report.findings],
+        findings=[(finding, finding.code.about) for finding in report.findings],
         figures=figure_lines(report),
         trials=count(len(report.trials), "trial"),
         strip=_strip(report),
@@ -91,7 +91,7 @@ def _strip(report: Report) -> _Strip | None:
 
     return _Strip(
         dots=[
-            _Dot(across(gap), 66 - 9 * (k % 4), run.name, gap, bool(run.faults("collision")))
+            _Dot(across(gap), 66 - 9 * (k % 4), run.name, gap, bool(run.faults(Code.COLLISION)))
             for k, (run, gap) in enumerate(gaps)
         ],
         limit=across(_COLLISION),

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from barrier_certificates import ties
-from posflock_robotarium.verify.findings import Verdict, count
+from posflock_robotarium.verify.findings import Code, Verdict, count
 from rps_compat import testbed
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def print_report(report: Report, console: Console) -> None:
             text += f"\n[dim]→ {escape(finding.advice)}[/]"
         shade = _COLOURS[finding.verdict]
         table.add_row(
-            f"[{shade}]{finding.verdict.name}[/]", finding.code, escape(finding.where), text
+            f"[{shade}]{finding.verdict.name}[/]", finding.code.value, escape(finding.where), text
         )
     console.print()
     console.print(table)
@@ -79,12 +79,12 @@ def figure_lines(report: Report) -> list[tuple[str, str]]:
             text = f"at least {gap.ideal:.3f} m between {between} in the ideal run"
             in_trials = "" if gap.trials is None else f", {gap.trials:.3f} m in the trials"
             lines.append((label, text + in_trials))
-    for name, runs in (("collision", found.collisions), ("boundary", found.outside)):
+    for name, runs in ((Code.COLLISION, found.collisions), (Code.BOUNDARY, found.outside)):
         if runs is not None:
             low, high = runs.interval
             lines.append(
                 (
-                    name,
+                    name.value,
                     f"in {runs.hits} of {count(runs.trials, 'trial')}"
                     f" (95 % interval {100 * low:.0f} to {100 * high:.0f} % of runs)",
                 )
