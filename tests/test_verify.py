@@ -12,7 +12,9 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from typer.testing import CliRunner
 
+from posflock_robotarium.cli import app
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.verify import Report, ablate, verify
 from posflock_robotarium.verify.findings import (
@@ -211,6 +213,23 @@ def test_an_imperfection_is_found_to_be_the_culprit(tmp_path):
     assert rows["dead_time"].collisions == 2
     assert rows["tracking_jitter"].collisions == 0
     assert rows["all"].collisions == 2
+
+
+def test_a_gap_that_nothing_has_is_unknown_and_no_number(tmp_path):
+    script = tmp_path / "alone.py"
+    script.write_text(
+        "from rps.robotarium import Robotarium\n"
+        "r = Robotarium(number_of_robots=1)\n"
+        "for _ in range(5):\n"
+        "    r.get_poses()\n"
+        "    r.step()\n"
+        "r.debug()\n"
+    )
+    words = ["verify", str(script), "--effect", "dead_time", "-n", "1", "--jobs", "1"]
+    done = CliRunner().invoke(app, [*words, "--json"])
+    rows = json.loads(done.output, parse_constant=pytest.fail)
+    assert [row["gap"] for row in rows] == [None, None]
+    assert "unknown" in CliRunner().invoke(app, words).output
 
 
 def test_bad_requests_are_refused(tmp_path):

@@ -237,26 +237,38 @@ def _rehearsed(
             shutil.copyfile(folder / name, scratch / (_MAIN if name == manifest.main else name))
         lay_simulator(room / _SIMULATOR)
         plan = replace(plan, folder=os.path.realpath(scratch))
-        said, network, end = _run(environment, plan, room, timeout)
+        end = _run(environment, plan, room, timeout)
         uploaded = set(manifest.files) - {manifest.main} | {_MAIN}
-        back = bring_back(scratch, out, uploaded, said)
+        back = bring_back(scratch, out, uploaded, end.said)
         outcome = _read_outcome(room / _OUTCOME, plan, end)
     files = {name: describe_file(out / name) for name in back if name != "log.txt"}
-    return Rehearsal(outcome, out, files, environment, network)
+    return Rehearsal(outcome, out, files, environment, end.network)
 
 
 @dataclass(frozen=True)
 class _End:
-    """How the process of a rehearsal ended: its code, and whether its time was over."""
+    """How the process of a rehearsal ended.
+
+    Attributes
+    ----------
+    code : int
+        Its exit code; below 0 where a signal ended it.
+    timed_out : bool
+        Whether its time was over.
+    said : str
+        What it printed.
+    network : str
+        How the network was kept away, in words.
+    """
 
     code: int
     timed_out: bool
+    said: str
+    network: str
 
 
-def _run(
-    environment: Environment, plan: RunPlan, room: Path, timeout: float
-) -> tuple[str, str, _End]:
-    """Run the plan; return what was said, how the network was kept away, and the end."""
+def _run(environment: Environment, plan: RunPlan, room: Path, timeout: float) -> _End:
+    """Run the plan in a process of its own, and end that with all that it started."""
     launcher = Path(__file__).with_name("rehearsal_launcher.py")
     order = {
         "simulator": str(room / _SIMULATOR),
@@ -302,7 +314,7 @@ def _run(
             with contextlib.suppress(ProcessLookupError, PermissionError):
                 os.killpg(process.pid, signal.SIGKILL)
     text = (room / "said.txt").read_text(encoding="utf-8", errors="replace")
-    return text, network, _End(process.returncode, timed_out)
+    return _End(process.returncode, timed_out, text, network)
 
 
 def _can_unshare() -> bool:

@@ -52,7 +52,7 @@ def describe_file(path: Path) -> ReturnedFile:
     """Open a returned file and say what it is."""
     from posflock_robotarium.flocking.errors import LogError
     from posflock_robotarium.logs.readers import read_pose_log
-    from posflock_robotarium.verify.trials import read_back
+    from posflock_robotarium.verify.data_files import read_back
 
     if path.suffix == ".npy":
         try:

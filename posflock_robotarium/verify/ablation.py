@@ -31,8 +31,8 @@ class Ablation:
         Its name; ``all`` for the whole profile.
     trials, collisions, outside, failed : int
         Runs; how many had a collision, left the arena, ended badly.
-    gap : float
-        Smallest distance of two centres in any of them, m.
+    gap : float, optional
+        Smallest distance of two centres in any of them, m; None where none has one.
     """
 
     effect: str
@@ -40,7 +40,7 @@ class Ablation:
     collisions: int
     outside: int
     failed: int
-    gap: float
+    gap: float | None
 
 
 def ablate(
@@ -92,7 +92,7 @@ def ablate(
                 sum(bool(o.faults(Code.COLLISION)) for o in own),
                 sum(bool(o.faults(Code.BOUNDARY)) for o in own),
                 sum(o.ended not in (Ended.FINISHED, Ended.OVER_TIME) for o in own),
-                min((o.smallest_gap.metres for o in own if o.smallest_gap), default=float("nan")),
+                min((o.smallest_gap.metres for o in own if o.smallest_gap), default=None),
             )
         )
     return out

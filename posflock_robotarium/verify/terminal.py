@@ -113,6 +113,6 @@ def print_ablation(rows: Sequence[Ablation], console: Console) -> None:
         table.add_row(
             f"[red]{row.effect}[/]" if bad else row.effect,
             *(f"{hits} of {row.trials}" for hits in (row.collisions, row.outside, row.failed)),
-            f"{row.gap:.3f} m",
+            "unknown" if row.gap is None else f"{row.gap:.3f} m",
         )
     console.print(table)

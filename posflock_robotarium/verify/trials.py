@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import json
 import os
 import shutil
@@ -15,8 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from posflock_robotarium.verify.data_files import Readable, read_back
 from posflock_robotarium.verify.files import files_read
 from posflock_robotarium.verify.request import Request
 from posflock_robotarium.verify.source import Source
@@ -78,16 +76,6 @@ class Ran:
     outcome: Outcome
     scratch: Path
     data: dict[str, Readable]
-
-
-@dataclass(frozen=True)
-class Readable:
-    """Whether a data file can be read back, and how much is in it."""
-
-    size: int
-    readable: bool
-    values: int
-    digest: str = ""
 
 
 class ForkServer:
@@ -291,39 +279,6 @@ def lay_out(source: Source, scratch: Path) -> None:
         target = scratch / path.name
         if path.is_file() and path.parent == home and path.stat().st_size < 50e6:
             shutil.copyfile(path, target)
-
-
-def read_back(path: Path) -> Readable:
-    """Open a data file as its reader would, and count what is in it."""
-    size = path.stat().st_size
-    try:
-        digest = hashlib.sha256(path.read_bytes()).hexdigest()
-        return Readable(size, *_content(path), digest)
-    except Exception:
-        return Readable(size, False, 0)
-
-
-def _content(path: Path) -> tuple[bool, int]:
-    ending = path.suffix.lower()
-    if ending == ".npy":
-        rows = np.load(path, mmap_mode="r", allow_pickle=False)
-        if rows.dtype.names and "t" in rows.dtype.names:  # a pose log: rows not reached are NaN
-            reached = int(np.sum(~np.isnan(rows["t"])))
-            return reached > 0, reached
-        return True, rows.size
-    if ending == ".npz":
-        with np.load(path, allow_pickle=False) as arrays:
-            return True, sum(arrays[name].size for name in arrays)
-    if ending == ".mat":
-        from scipy.io import loadmat
-
-        return True, sum(np.size(value) for value in loadmat(path).values())
-    if ending == ".json":
-        json.loads(path.read_text())
-        return True, path.stat().st_size
-    if ending in (".txt", ".csv", ".dat", ".log"):
-        return bool(path.read_text().strip()), len(path.read_text().splitlines())
-    return path.stat().st_size > 0, path.stat().st_size
 
 
 def robots_and_seconds(script: Path) -> tuple[int | None, float | None]:
