@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -51,13 +51,52 @@ class ReadOptions:
 
 @dataclass(frozen=True)
 class Found:
-    """Poses as found in a file, before anything is checked."""
+    """Poses as found in a file, before they are checked.
+
+    Attributes
+    ----------
+    t : ndarray, shape (T,), optional
+        Seconds; None where the file has no times.
+    poses : ndarray, shape (T, 3, N)
+        Metres and radians.
+    notes : tuple of str
+        How the file was read, one sentence a decision.
+    commands : ndarray, shape (T, 2, N), optional
+        Commanded linear (m/s) and angular (rad/s) velocity.
+    dt : float, optional
+        Seconds between samples, where the file says it instead of times.
+    intervention, clearance, status : ndarray, shape (T,), optional
+        What the certificate did at each step, as `Run` has it.
+    parameters : mapping
+        What the file says about the run.
+    """
 
     t: Floats | None
     poses: Floats
     notes: tuple[str, ...]
     commands: Floats | None = None
     dt: float | None = None
-    steps: Mapping[str, NDArray[Any]] = field(default_factory=dict)
-    """What the certificate did at each step: ``intervention``, ``clearance``, ``status`` (T,)."""
+    intervention: Floats | None = None
+    clearance: Floats | None = None
+    status: NDArray[np.str_] | None = None
     parameters: Mapping[str, Any] = field(default_factory=dict)
+
+    def noted(self, note: str) -> Found:
+        """Return the same with one more note."""
+        return replace(self, notes=(*self.notes, note))
+
+    def rows(self, chosen: slice | NDArray[np.bool_]) -> Found:
+        """Return some of the samples."""
+
+        def of(column: NDArray[Any] | None) -> Any:
+            return None if column is None else column[chosen]
+
+        return replace(
+            self,
+            t=of(self.t),
+            poses=self.poses[chosen],
+            commands=of(self.commands),
+            intervention=of(self.intervention),
+            clearance=of(self.clearance),
+            status=of(self.status),
+        )

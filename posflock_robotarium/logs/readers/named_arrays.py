@@ -60,12 +60,17 @@ def poses_among(
     if described is not None:
         said = parameters.from_array(described, f"{where}: {parameters.NAME}")
         notes.append("parameters of the run came with the file")
-    steps: dict[str, NDArray[Any]] = {
-        name: values
-        for name in ("intervention", "clearance", "status")
-        if name in arrays and (values := _each_step(name, arrays[name], len(poses))) is not None
-    }
-    return Found(t, poses, tuple(notes), found, dt, steps, said)
+    return Found(
+        t,
+        poses,
+        tuple(notes),
+        found,
+        dt,
+        intervention=_number_each_step(arrays.get("intervention"), len(poses)),
+        clearance=_number_each_step(arrays.get("clearance"), len(poses)),
+        status=_word_each_step(arrays.get("status"), len(poses)),
+        parameters=said,
+    )
 
 
 def codes_of(words: NDArray[np.str_]) -> NDArray[np.uint32]:
@@ -74,11 +79,19 @@ def codes_of(words: NDArray[np.str_]) -> NDArray[np.uint32]:
     return letters.view(np.uint32).reshape(len(letters), -1)
 
 
-def _each_step(name: str, array: NDArray[Any], samples: int) -> NDArray[Any] | None:
-    """Return an array of the certificate as (T,), or None where it is something else."""
-    if name != "status":
-        fits = array.dtype.kind in "fiu" and array.size == max(array.shape, default=0) == samples
-        return floats(array, name).reshape(-1) if fits else None
+def _number_each_step(array: NDArray[Any] | None, samples: int) -> Floats | None:
+    """Return one number a sample (T,), or None where an array is something else."""
+    if array is None or array.dtype.kind not in "fiu":
+        return None
+    if not array.size == max(array.shape, default=0) == samples:
+        return None
+    return floats(array, "numbers").reshape(-1)
+
+
+def _word_each_step(array: NDArray[Any] | None, samples: int) -> NDArray[np.str_] | None:
+    """Return one word a sample (T,), which may stand as code points; or None."""
+    if array is None:
+        return None
     if array.dtype.kind == "U" and array.shape == (samples,):
         return array
     if array.dtype.kind not in "fiu" or array.ndim != 2 or len(array) != samples:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -117,6 +118,56 @@ def _existing(path: Path) -> Path:
     raise LogError(f"{path}: no such file")
 
 
+def _recording(found: Found, name: str, sources: tuple[str, ...], options: ReadOptions) -> Run:
+    """Time what was found, leave out what is none, and check it."""
+    timed = found.t is not None
+    found = _without_tail(_timed(found, sources[0], options))
+    if options.drop_damaged:
+        found = _without_damage(found)
+    t = np.asarray(found.t)
+    if len(t) and np.isfinite(t[0]) and abs(t[0]) > 1e5:
+        found = found.noted(f"time counted from the first pose, recorded as {t[0]:.3f} s")
+        t = t - t[0]
+    return Run(
+        name=name,
+        t=np.ascontiguousarray(t),
+        poses=np.ascontiguousarray(found.poses),
+        commands=found.commands,
+        intervention=found.intervention,
+        clearance=found.clearance,
+        status=found.status,
+        parameters=found.parameters,
+        notes=found.notes,
+        sources=sources,
+        timed=timed,
+    )
+
+
+def _timed(found: Found, where: str, options: ReadOptions) -> Found:
+    """Give each pose its seconds: the file's own, or counted in the steps that are known."""
+    if found.t is None:
+        dt = options.dt or found.dt
+        if dt is None:
+            raise LayoutError(
+                f"{where}: no time in it; say the seconds between samples, for example "
+                "--dt 0.033 (the testbed's step)"
+            )
+        t: Floats = dt * np.arange(len(found.poses), dtype=float)
+        found = found.noted(f"no time in the file: samples {dt:g} s apart")
+    else:
+        t = found.t
+        if options.dt is not None:
+            found = found.noted("--dt not used: the file has times of its own")
+    if len(t) != len(found.poses):
+        raise LogError(f"{where}: {len(t)} times for {len(found.poses)} poses")
+    if (step := _usual_step(t)) > LONGEST_STEP:
+        raise LayoutError(
+            f"{where}: {step:g} s from one pose to the next, expected at most {LONGEST_STEP:g} s: "
+            "are the times in milliseconds? Write them in seconds, or name the column time_ms"
+        )
+    return replace(found, t=t)
+
+
 def _usual_step(t: Floats) -> float:
     """Return the median time between poses, s; 0 where no two times are known."""
     known = t[np.isfinite(t)]
@@ -124,60 +175,23 @@ def _usual_step(t: Floats) -> float:
         return float(np.median(np.diff(known))) if len(known) > 1 else 0.0
 
 
-def _recording(found: Found, name: str, sources: tuple[str, ...], options: ReadOptions) -> Run:
-    where = sources[0]
-    poses = found.poses
-    steps = dict(found.steps)
-    if found.commands is not None:
-        steps["command"] = found.commands
-    notes = list(found.notes)
+def _without_tail(found: Found) -> Found:
+    """Cut off rows that were prepared and never filled."""
+    reached, rows = _reached(found.poses), len(found.poses)
+    if reached == rows:
+        return found
+    note = f"cut at row {reached} of {rows}: the rest was never filled in"
+    return found.noted(note).rows(slice(reached))
+
+
+def _without_damage(found: Found) -> Found:
+    """Leave out rows that are not finite; their place in time is a gap."""
+    sound = np.asarray(np.isfinite(found.poses).all(axis=(1, 2)))
     if found.t is not None:
-        t = found.t
-        if options.dt is not None:
-            notes.append("--dt not used: the file has times of its own")
-    else:
-        dt = options.dt or found.dt
-        if dt is None:
-            raise LayoutError(
-                f"{where}: no time in it; say the seconds between samples, for example "
-                "--dt 0.033 (the testbed's step)"
-            )
-        t = dt * np.arange(len(poses), dtype=float)
-        notes.append(f"no time in the file: samples {dt:g} s apart")
-    if len(t) != len(poses):
-        raise LogError(f"{where}: {len(t)} times for {len(poses)} poses")
-    if (step := _usual_step(t)) > LONGEST_STEP:
-        raise LayoutError(
-            f"{where}: {step:g} s from one pose to the next, expected at most {LONGEST_STEP:g} s: "
-            "are the times in milliseconds? Write them in seconds, or name the column time_ms"
-        )
-    reached = _reached(poses)
-    if reached < len(poses):
-        notes.append(f"cut at row {reached} of {len(poses)}: the rest was never filled in")
-        poses, t = poses[:reached], t[:reached]
-        steps = {name: values[:reached] for name, values in steps.items()}
-    if options.drop_damaged and len(poses):
-        sound = np.isfinite(poses).all(axis=(1, 2)) & np.isfinite(t)
-        if not sound.all():
-            notes.append(f"{int((~sound).sum())} damaged row(s) left out, as asked")
-            poses, t = poses[sound], t[sound]
-            steps = {name: values[sound] for name, values in steps.items()}
-    if len(t) and np.isfinite(t[0]) and abs(t[0]) > 1e5:
-        notes.append(f"time counted from the first pose, recorded as {t[0]:.3f} s")
-        t = t - t[0]
-    return Run(
-        name=name,
-        t=np.ascontiguousarray(t),
-        poses=np.ascontiguousarray(poses),
-        commands=steps.get("command"),
-        intervention=steps.get("intervention"),
-        clearance=steps.get("clearance"),
-        status=steps.get("status"),
-        parameters=found.parameters,
-        notes=tuple(notes),
-        sources=sources,
-        timed=found.t is not None,
-    )
+        sound &= np.isfinite(found.t)
+    if sound.all():
+        return found
+    return found.noted(f"{int((~sound).sum())} damaged row(s) left out, as asked").rows(sound)
 
 
 def _reached(poses: Floats) -> int:
