@@ -53,6 +53,7 @@ def bundle(
 
 
 def _print_bundle(ready: "Bundle") -> None:
+    from posflock_robotarium.submission.instructions import INSTRUCTIONS
     from posflock_robotarium.verify.findings import count
 
     size = max(1, round(ready.size / 1024))
@@ -62,7 +63,7 @@ def _print_bundle(ready: "Bundle") -> None:
         typer.echo(f"left out, for libraries that the testbed has not: {', '.join(names)}")
     for warning in ready.warnings:
         typer.echo(f"warning: {warning}", err=True)
-    typer.echo(f"main file {ready.main}; what to enter is in {ready.folder / 'SUBMIT.md'}")
+    typer.echo(f"main file {ready.main}; what to enter is in {ready.folder / INSTRUCTIONS}")
 
 
 def rehearse(
