@@ -34,11 +34,11 @@ def test_a_fit_finds_the_truth(fitted):
     assert [e.value for e in found.heading_offset] == pytest.approx(
         list(truth["heading offset"]), abs=0.01
     )
-    assert found.jitter["along"].value == pytest.approx(0.0005, rel=0.1)
-    assert found.jitter["lateral"].value == pytest.approx(0.0003, rel=0.1)
-    assert found.jitter["heading"].value == pytest.approx(0.0013, rel=0.1)
-    assert found.disturbance["speed"].value == pytest.approx(0.0017, rel=0.4)
-    assert found.disturbance["turn"].value == pytest.approx(0.0175, rel=0.25)
+    assert found.jitter.along.value == pytest.approx(0.0005, rel=0.1)
+    assert found.jitter.lateral.value == pytest.approx(0.0003, rel=0.1)
+    assert found.jitter.heading.value == pytest.approx(0.0013, rel=0.1)
+    assert found.disturbance.speed.value == pytest.approx(0.0017, rel=0.4)
+    assert found.disturbance.turn.value == pytest.approx(0.0175, rel=0.25)
 
 
 def test_intervals_hold_their_value(fitted):
@@ -103,10 +103,10 @@ def test_ideal_robots_have_no_imperfections(smooth):
     found = calibrate(plain_log(400, smooth=smooth))
     assert found.dead_time.value + found.lag.value < 0.003
     assert [e.value for e in found.speed_gain] == pytest.approx([1.0, 1.0], abs=1e-3)
-    for estimate in (*found.jitter.values(), *found.disturbance.values()):
+    for estimate in (*vars(found.jitter).values(), *vars(found.disturbance).values()):
         assert 0 <= estimate.low <= estimate.value <= estimate.high < 0.01
     if smooth:
-        assert found.jitter["heading"].value == found.jitter["heading"].low == 0.0
+        assert found.jitter.heading.value == found.jitter.heading.low == 0.0
     assert profile_from_toml(profile_to_toml(found.profile())) == found.profile()
 
 

@@ -232,6 +232,8 @@ def test_a_command_is_told_by_its_options(tmp_path):
         '''
     assert faults(tmp_path, source) == []
     assert len(faults(tmp_path, source.replace("typer.Option", "Option"))) == 2
+    annotated = 'Annotated[str, typer.Option(help="Folder.")]'
+    assert faults(tmp_path, source.replace(annotated, "options.Folder")) == []
 
 
 def test_only_modules_without_an_underscore_are_held():

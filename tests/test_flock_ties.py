@@ -16,7 +16,7 @@ from posflock_robotarium.freespace.neighbour_search import neighbour_pairs
 from posflock_robotarium.freespace.sensing import Sensing, Sensors
 from posflock_robotarium.freespace.simulation import FreeSpace
 from posflock_robotarium.report import Run, analyse
-from posflock_robotarium.verify.judge import judge
+from posflock_robotarium.verify.judge import Runs, judge
 from posflock_robotarium.verify.timing import recommended_duration
 from posflock_robotarium.verify.trials import Ran
 from rps_compat import testbed
@@ -140,7 +140,7 @@ def outcome(**values):
 
 def codes(ideal, drive=None, declared=None):
     ran = Ran(ideal, Path(), {})
-    return [f.code for f in judge(ran, [], drive, None, None, declared, [])]
+    return [f.code for f in judge(Runs(ran, drive=drive), [], declared)]
 
 
 def test_robots_that_start_at_the_advised_distance_are_not_too_close():

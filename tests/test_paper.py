@@ -13,7 +13,7 @@ from posflock_robotarium.cli import app
 from posflock_robotarium.figures.style import new_figure, save
 from posflock_robotarium.flocking.errors import OutputError, ParameterError
 from posflock_robotarium.freespace.simulation import FreeSpace, Model, simulate
-from posflock_robotarium.paper.claim import Claim
+from posflock_robotarium.paper.claim import Claim, Sense, Verdict
 from posflock_robotarium.paper.claims import CLAIMS, judge_all
 from posflock_robotarium.paper.evidence import gather
 from posflock_robotarium.paper.reproduction import reproduce
@@ -51,7 +51,7 @@ def test_claims_are_recomputed_and_written(found):
     for entry, judgement in zip(written, again, strict=True):
         assert set(entry) >= {"id", "claim", "test", "value", "verdict", "reason"}
         assert entry["id"] == judgement.claim.id
-        assert entry["verdict"] == judgement.verdict
+        assert entry["verdict"] == judgement.verdict.value
         assert entry["value"] == judgement.value
     page = (folder / "claims.md").read_text()
     assert all(f"## {claim.id}\n" in page for claim in CLAIMS)
@@ -61,15 +61,15 @@ def test_claims_are_recomputed_and_written(found):
 def test_the_paper_itself_is_judged_as_it_was_measured(whole):
     verdicts = {judgement.claim.id: judgement.verdict for judgement in whole.judgements}
     for id_ in ("variance-increases", "no-collisions", "imprint-fades", "smaller-radius"):
-        assert verdicts[id_] == "does not hold", id_
+        assert verdicts[id_] is Verdict.DOES_NOT_HOLD, id_
     for id_ in ("persistent-direction", "more-compact", "constant-radius", "robots-safe"):
-        assert verdicts[id_] == "holds", id_
+        assert verdicts[id_] is Verdict.HOLDS, id_
 
 
 @pytest.mark.parametrize("id_", ["no-collisions", "imprint-fades", "variance-increases"])
 def test_sentences_that_do_not_hold_are_said_not_to(found, id_):
     (judgement,) = [j for j in found.judgements if j.claim.id == id_]
-    assert judgement.verdict == "does not hold"
+    assert judgement.verdict is Verdict.DOES_NOT_HOLD
 
 
 @pytest.mark.parametrize(
@@ -86,15 +86,15 @@ def test_sentences_that_do_not_hold_are_said_not_to(found, id_):
 )
 def test_a_verdict_follows_from_the_number(sense, value, verdict):
     sign = 1.0 if sense == "at least" else -1.0
-    claim = Claim("x", "", "", lambda _: value, sense, 2.0 * sign, 1.0 * sign)
+    claim = Claim("x", "", "", lambda _: value, Sense(sense), 2.0 * sign, 1.0 * sign)
     judgement = claim.judge(None)
-    assert judgement.verdict == verdict
+    assert judgement.verdict is Verdict(verdict)
     json.dumps(judgement.as_dict(), allow_nan=False)
 
 
 def test_thresholds_are_in_order_and_ids_are_unique():
     for claim in CLAIMS:
-        sign = 1.0 if claim.sense == "at least" else -1.0
+        sign = 1.0 if claim.sense is Sense.AT_LEAST else -1.0
         assert sign * claim.weakly <= sign * claim.holds, claim.id
     assert len({claim.id for claim in CLAIMS}) == len(CLAIMS)
 
@@ -108,7 +108,7 @@ def test_a_verdict_changes_when_the_evidence_does(found):
         exchanged[Model.POSITION],
     )
     verdicts = {j.claim.id: j.verdict for j in judge_all(replace(evidence, measures=exchanged))}
-    assert verdicts["more-compact"] == verdicts["persistent-direction"] == "does not hold"
+    assert verdicts["more-compact"] is verdicts["persistent-direction"] is Verdict.DOES_NOT_HOLD
 
 
 @pytest.mark.slow
@@ -146,6 +146,19 @@ def test_a_folder_that_cannot_be_written_is_refused_before_computing(tmp_path):
     blocked.write_text("")
     with pytest.raises(OutputError, match="file"):
         reproduce(blocked / "below", seeds=2)
+
+
+def test_the_command_prints_every_claim_with_its_verdict(found, tmp_path, monkeypatch):
+    monkeypatch.setattr(
+        "posflock_robotarium.paper.reproduction.reproduce", lambda *args, **kwargs: found
+    )
+    result = CliRunner().invoke(app, ["reproduce", "-o", str(tmp_path)])
+    lines = result.output.splitlines()
+    for judgement, line in zip(found.judgements, lines, strict=False):
+        words = judgement.verdict.value.split()
+        assert line.split()[: len(words) + 1] == [*words, judgement.claim.id]
+    weak = sum(j.verdict is Verdict.DOES_NOT_HOLD for j in found.judgements)
+    assert f"{weak} does not hold" in lines[len(found.judgements)]
 
 
 def test_the_command_explains_itself():

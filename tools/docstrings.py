@@ -117,7 +117,7 @@ def arguments(function: Function) -> dict[str, ast.expr | None]:
 def is_command(node: Definition) -> bool:
     """Return whether the command line's options tell a function's arguments, in annotations."""
     return isinstance(node, Function) and bool(
-        re.search(r"\btyper\.(Option|Argument)\(", ast.unparse(node.args))
+        re.search(r"\btyper\.(Option|Argument)\(|: options\.[A-Z]", ast.unparse(node.args))
     )
 
 

@@ -35,7 +35,7 @@ from posflock_robotarium.alignment.verdicts import Verdict, verdicts_of
 from posflock_robotarium.flocking.errors import LogError, OutputError
 from posflock_robotarium.flocking.flock import WALLS
 from posflock_robotarium.logs.readers import ReadOptions, Run, read
-from posflock_robotarium.logs.readers.numpy_files import read_npz
+from posflock_robotarium.logs.readers.numpy_archives import read_npz
 from rps_compat.testbed import RobotModel
 from rps_compat.violations import Event
 

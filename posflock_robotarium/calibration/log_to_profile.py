@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -28,6 +28,23 @@ from rps_compat.realism import (
 
 
 @dataclass(frozen=True)
+class Jitter:
+    """Standard deviations of the tracker's white noise: along and across the heading (m), rad."""
+
+    along: Estimate
+    lateral: Estimate
+    heading: Estimate
+
+
+@dataclass(frozen=True)
+class Unexplained:
+    """Standard deviations of what the model does not explain, each step: m/s and rad/s."""
+
+    speed: Estimate
+    turn: Estimate
+
+
+@dataclass(frozen=True)
 class Calibration:
     """What was fitted.
 
@@ -41,10 +58,10 @@ class Calibration:
         rad/s, per robot.
     heading_offset : tuple of Estimate
         rad, per robot.
-    jitter : dict of str to Estimate
-        ``along``, ``lateral`` (m) and ``heading`` (rad), standard deviations of the team.
-    disturbance : dict of str to Estimate
-        ``speed`` (m/s) and ``turn`` (rad/s), what the model does not explain, per step.
+    jitter : Jitter
+        Of the team's poses.
+    disturbance : Unexplained
+        Of the team's motion.
     rows, time_step
         Of the log.
     """
@@ -55,8 +72,8 @@ class Calibration:
     turn_gain: tuple[Estimate, ...]
     turn_bias: tuple[Estimate, ...]
     heading_offset: tuple[Estimate, ...]
-    jitter: dict[str, Estimate]
-    disturbance: dict[str, Estimate]
+    jitter: Jitter
+    disturbance: Unexplained
     rows: int
     time_step: float
 
@@ -90,14 +107,12 @@ class Calibration:
             gains=Gains(speed=robots(self.speed_gain, 0.0), turn=robots(self.turn_gain, 0.0)),
             lag=Lag(constant(self.lag.value)),
             turn_bias=TurnBias(robots(self.turn_bias)),
-            disturbance=Disturbance(
-                self.disturbance["speed"].value, self.disturbance["turn"].value
-            ),
+            disturbance=Disturbance(self.disturbance.speed.value, self.disturbance.turn.value),
             heading_offset=HeadingOffset(robots(self.heading_offset)),
             tracking_jitter=TrackingJitter(
-                along=self.jitter["along"].value,
-                lateral=self.jitter["lateral"].value,
-                heading=self.jitter["heading"].value,
+                along=self.jitter.along.value,
+                lateral=self.jitter.lateral.value,
+                heading=self.jitter.heading.value,
             ),
         )
 
@@ -109,11 +124,12 @@ class Calibration:
                 return {"value": value.value, "interval": [value.low, value.high]}
             if isinstance(value, tuple):
                 return [plain(entry) for entry in value]
-            if isinstance(value, dict):
-                return {key: plain(entry) for key, entry in value.items()}
+            if isinstance(value, (Calibration, Jitter, Unexplained)):
+                return {part.name: plain(getattr(value, part.name)) for part in fields(value)}
             return value
 
-        return {name: plain(getattr(self, name)) for name in self.__dataclass_fields__}
+        said: dict[str, Any] = plain(self)
+        return said
 
 
 def calibrate(log: Run, time_step: float | None = None) -> Calibration:
@@ -156,12 +172,8 @@ def calibrate(log: Run, time_step: float | None = None) -> Calibration:
         turn_gain=estimates(2 + robots),
         turn_bias=estimates(2 + 2 * robots),
         heading_offset=offsets,
-        jitter={
-            "along": along.jitter,
-            "lateral": lateral_jitter(log),
-            "heading": turn.jitter,
-        },
-        disturbance={"speed": along.disturbance(dt), "turn": turn.disturbance(dt)},
+        jitter=Jitter(along.jitter, lateral_jitter(log), turn.jitter),
+        disturbance=Unexplained(along.disturbance(dt), turn.disturbance(dt)),
         rows=len(log.t),
         time_step=dt,
     )

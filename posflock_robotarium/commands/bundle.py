@@ -1,34 +1,25 @@
 """``posflock bundle`` and ``posflock rehearse``: what to upload, and a run of it."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
+from posflock_robotarium.commands import options
 from rps_compat.testbed import MAX_DURATION
+
+if TYPE_CHECKING:
+    from posflock_robotarium.submission.bundle import Bundle
+    from posflock_robotarium.submission.rehearse import Rehearsal
 
 
 def bundle(
-    script: Annotated[Path, typer.Argument(help="The experiment's main file.", show_default=False)],
-    out: Annotated[
-        Path,
-        typer.Option(
-            "--out", "-o", help="Folder to write: new, empty or a bundle.", show_default=False
-        ),
-    ],
-    data: Annotated[
-        list[Path] | None, typer.Option(help="A data file to take along; may be repeated.")
-    ] = None,
-    run: Annotated[
-        bool,
-        typer.Option(help="Run the script once to learn what to enter for robots and duration."),
-    ] = True,
-    max_size: Annotated[
-        float | None, typer.Option(help="Largest upload in MiB. Default: no limit.")
-    ] = None,
-    json_only: Annotated[
-        bool, typer.Option("--json", help="Print what was written as JSON.")
-    ] = False,
+    script: options.Script,
+    out: options.BundleFolder,
+    data: options.DataFiles = None,
+    run: options.RunOnce = True,
+    max_size: options.LargestUpload = None,
+    json_only: options.WrittenAsJson = False,
 ) -> None:
     """Lay a script and all it imports flat, ready to be uploaded.
 
@@ -42,7 +33,6 @@ def bundle(
         posflock bundle main.py -o upload --data goals.npy --no-run
     """
     from posflock_robotarium.submission.bundle import bundle as lay_flat
-    from posflock_robotarium.verify.findings import count
     from posflock_robotarium.verify.trials import robots_and_seconds
 
     robots, seconds = robots_and_seconds(script) if run else (None, None)
@@ -57,17 +47,15 @@ def bundle(
     if json_only:
         import json
 
-        said = {
-            "folder": str(ready.folder),
-            "main": ready.main,
-            "files": {name: len(content) for name, content in sorted(ready.files.items())},
-            "left_out": ready.left_out,
-            "robots": ready.robots,
-            "duration": ready.duration,
-            "warnings": list(ready.warnings),
-        }
-        typer.echo(json.dumps(said, indent=1))
-        return
+        typer.echo(json.dumps(ready.as_dict(), indent=1))
+    else:
+        _print_bundle(ready)
+
+
+def _print_bundle(ready: "Bundle") -> None:
+    from posflock_robotarium.submission.instructions import INSTRUCTIONS
+    from posflock_robotarium.verify.findings import count
+
     size = max(1, round(ready.size / 1024))
     typer.echo(f"{count(len(ready.files), 'file')}, {size} KiB in {ready.folder}")
     if ready.left_out:
@@ -75,32 +63,20 @@ def bundle(
         typer.echo(f"left out, for libraries that the testbed has not: {', '.join(names)}")
     for warning in ready.warnings:
         typer.echo(f"warning: {warning}", err=True)
-    typer.echo(f"main file {ready.main}; what to enter is in {ready.folder / 'SUBMIT.md'}")
+    typer.echo(f"main file {ready.main}; what to enter is in {ready.folder / INSTRUCTIONS}")
 
 
 def rehearse(
-    folder: Annotated[
-        Path, typer.Argument(help="A bundle, made by `posflock bundle`.", show_default=False)
-    ],
-    out: Annotated[
-        Path, typer.Option("--out", "-o", help="New or empty folder for what comes back.")
-    ] = Path("rehearsal"),
-    duration: Annotated[
-        float, typer.Option("--duration", "-d", help="Declared duration, seconds.")
-    ] = MAX_DURATION,
-    profile: Annotated[
-        str, typer.Option(help="Imperfections: ideal, gritsbot_x, harsh, or a TOML file.")
-    ] = "gritsbot_x",
-    seed: Annotated[int, typer.Option(help="Of everything random that is the testbed's.")] = 0,
-    generation: Annotated[int, typer.Option(help="Generation of the API, 1 or 2.")] = 2,
-    initial: Annotated[
-        str, typer.Option(help="arrive (within 5 cm and 0.2 rad), exact, or drive.")
-    ] = "arrive",
-    timeout: Annotated[float, typer.Option(help="Seconds of real time it may take.")] = 600.0,
-    report: Annotated[
-        bool, typer.Option(help="Open returned pose logs with posflock report.")
-    ] = True,
-    json_only: Annotated[bool, typer.Option("--json", help="Print the outcome as JSON.")] = False,
+    folder: options.Bundled,
+    out: options.ReturnFolder = Path("rehearsal"),
+    duration: options.DeclaredDuration = MAX_DURATION,
+    profile: options.Profile = "gritsbot_x",
+    seed: options.TestbedSeed = 0,
+    generation: options.Generation = 2,
+    initial: options.TestbedInitial = "arrive",
+    timeout: options.RealSeconds = 600.0,
+    report: options.WithReport = True,
+    json_only: options.OutcomeAsJson = False,
 ) -> None:
     """Run a bundle with the testbed's Python, libraries and folder, and without a network.
 
@@ -112,8 +88,7 @@ def rehearse(
         posflock rehearse upload -o back --duration 320
     """
     from posflock_robotarium.submission.rehearse import rehearse as run
-    from posflock_robotarium.verify.findings import count
-    from rps_compat.report import NO_VIOLATIONS
+    from posflock_robotarium.submission.rehearse import report_on
 
     done = run(
         folder,
@@ -126,32 +101,34 @@ def rehearse(
         timeout=timeout,
         tell=None if json_only else typer.echo,
     )
-    page = None
-    if report:
-        from posflock_robotarium.submission.rehearse import report_on
-
-        page = report_on(done)
+    page = report_on(done) if report else None
     if json_only:
         import json
 
         said = done.as_dict() | {"report": None if page is None else str(page)}
         typer.echo(json.dumps(said, indent=1))
     else:
-        environment = done.environment
-        versions = ", ".join(f"{name} {v}" for name, v in environment.libraries.items())
-        why = f": {done.reason}" if done.reason else ""
-        outcome = done.outcome
-        after = f" after {outcome.time:.1f} s" if outcome.time is not None else ""
-        steps = f", {count(outcome.steps, 'step')}" if outcome.steps is not None else ""
-        typer.echo(f"{outcome.ended}{after}{steps}{why}")
-        typer.echo(f"environment: Python {environment.version}, {versions}; {done.network}")
-        if environment.note:
-            typer.echo(f"note: {environment.note}")
-        for name, found in done.files.items():
-            typer.echo(f"  {name}: {found}")
-        if outcome.report is not None and outcome.report.verdict != NO_VIOLATIONS:
-            typer.echo(f"  {outcome.report.verdict}")
-        if page is not None:
-            typer.echo(f"report: {page}")
-        typer.echo(f"what came back is in {done.folder}, with log.txt")
+        _print_rehearsal(done, page)
     raise typer.Exit(0 if done.passed else 1)
+
+
+def _print_rehearsal(done: "Rehearsal", page: Path | None) -> None:
+    from posflock_robotarium.verify.findings import count
+
+    outcome, environment = done.outcome, done.environment
+    why = f": {done.reason}" if done.reason else ""
+    after = f" after {outcome.time:.1f} s" if outcome.time is not None else ""
+    steps = f", {count(outcome.steps, 'step')}" if outcome.steps is not None else ""
+    typer.echo(f"{outcome.ended}{after}{steps}{why}")
+    versions = ", ".join(f"{name} {v}" for name, v in environment.libraries.items())
+    typer.echo(f"environment: Python {environment.version}, {versions}; {done.network}")
+    if environment.note:
+        typer.echo(f"note: {environment.note}")
+    for name, found in done.files.items():
+        typer.echo(f"  {name}: {found}")
+    ran = outcome.report
+    if ran is not None and (not ran.clean or ran.steps_over_actuator_limits):
+        typer.echo(f"  {ran.verdict}")
+    if page is not None:
+        typer.echo(f"report: {page}")
+    typer.echo(f"what came back is in {done.folder}, with log.txt")

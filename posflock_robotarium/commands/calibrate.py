@@ -1,30 +1,23 @@
 """``posflock calibrate``: from a returned log to a realism profile."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
+from posflock_robotarium.commands import options
+
+if TYPE_CHECKING:
+    from posflock_robotarium.calibration import Calibration
+
 
 def calibrate(
-    log: Annotated[
-        Path,
-        typer.Argument(
-            help="A pose log, or another file with poses, times and commands.", show_default=False
-        ),
-    ],
-    out: Annotated[Path, typer.Option("--out", "-o", help="The realism profile to write.")] = Path(
-        "calibrated.toml"
-    ),
-    name: Annotated[str, typer.Option(help="What the profile is to be called.")] = "calibrated",
-    pooled: Annotated[
-        bool, typer.Option("--pooled", help="Distributions over robots, for any number of them.")
-    ] = False,
-    resimulate: Annotated[
-        Path | None,
-        typer.Option(help="Also write a log here: the same commands, simulated with the profile."),
-    ] = None,
-    json_only: Annotated[bool, typer.Option("--json", help="Print all estimates as JSON.")] = False,
+    log: options.CommandedLog,
+    out: options.FittedProfile = Path("calibrated.toml"),
+    name: options.ProfileName = "calibrated",
+    pooled: options.Pooled = False,
+    resimulate: options.ResimulatedLog = None,
+    json_only: options.EstimatesAsJson = False,
 ) -> None:
     """Fit dead time, lag, gains, bias and noise to a log, and write them as a realism profile.
 
@@ -56,6 +49,13 @@ def calibrate(
 
         typer.echo(json.dumps(found.as_dict(), indent=1))
         return
+    _print_estimates(found)
+    typer.echo(f"wrote {out}")
+    if resimulate is not None:
+        typer.echo(f"wrote {resimulate}; overlay them with posflock compare {log} {resimulate}")
+
+
+def _print_estimates(found: "Calibration") -> None:
     typer.echo(f"{'dead time':<18} {found.dead_time} s")
     typer.echo(f"{'lag':<18} {found.lag} s")
     for robot, (speed, turn, bias, offset) in enumerate(
@@ -63,12 +63,12 @@ def calibrate(
     ):
         typer.echo(f"robot {robot}: speed gain {speed}, turn gain {turn}")
         typer.echo(f"         turn bias {bias} rad/s, heading offset {offset} rad")
-    for what, estimate in found.jitter.items():
-        typer.echo(f"{'jitter, ' + what:<18} {estimate} {'rad' if what == 'heading' else 'm'}")
-    for what, estimate in found.disturbance.items():
-        typer.echo(
-            f"{'unexplained ' + what:<18} {estimate} {'m/s' if what == 'speed' else 'rad/s'}"
-        )
-    typer.echo(f"wrote {out}")
-    if resimulate is not None:
-        typer.echo(f"wrote {resimulate}; overlay them with posflock compare {log} {resimulate}")
+    jitter, unexplained = found.jitter, found.disturbance
+    for what, estimate, unit in (
+        ("jitter, along", jitter.along, "m"),
+        ("jitter, lateral", jitter.lateral, "m"),
+        ("jitter, heading", jitter.heading, "rad"),
+        ("unexplained speed", unexplained.speed, "m/s"),
+        ("unexplained turn", unexplained.turn, "rad/s"),
+    ):
+        typer.echo(f"{what:<18} {estimate} {unit}")

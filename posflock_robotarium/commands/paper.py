@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from posflock_robotarium.commands import options
+
 
 def reproduce(
     seeds: Annotated[int, typer.Option(min=2, help="Runs of each model.")] = 20,
@@ -12,9 +14,7 @@ def reproduce(
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for all files.")] = Path(
         "results/paper"
     ),
-    workers: Annotated[
-        int | None, typer.Option(min=1, help="Processes; by default one a processor.")
-    ] = None,
+    workers: options.Workers = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print claims.json instead.")] = False,
 ) -> None:
     """Recompute every figure, table and checkable sentence of the paper, and say which hold.
@@ -40,7 +40,7 @@ def reproduce(
         typer.echo()
         return
     for judgement in found.judgements:
-        typer.echo(f"{judgement.verdict:14} {judgement.claim.id:28} {judgement.value:.3g}")
-    verdicts = ", ".join(f"{count} {verdict}" for verdict, count in found.verdicts.items())
+        typer.echo(f"{judgement.verdict.value:14} {judgement.claim.id:28} {judgement.value:.3g}")
+    verdicts = ", ".join(f"{count} {verdict.value}" for verdict, count in found.verdicts.items())
     typer.echo(f"{len(found.judgements)} claims: {verdicts}")
     typer.echo(f"written: {out}/claims.md, claims.json, tables.md, figures/")

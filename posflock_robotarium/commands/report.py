@@ -2,75 +2,34 @@
 
 import contextlib
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
+
+from posflock_robotarium.commands import options
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from posflock_robotarium.report import Analysis, ReadOptions
 
-Logs = Annotated[
-    list[Path],
-    typer.Argument(help="Pose logs: ours, or .npy, .npz, .mat, CSV, text.", show_default=False),
-]
-Log = Annotated[Path, typer.Argument(help="Pose log of one run.", show_default=False)]
-Out = Annotated[Path, typer.Option("-o", "--out", help="Folder for everything that is written.")]
-Layout = Annotated[
-    str | None,
-    typer.Option(help="Axes of an array: T,3,N  3,N,T  T,N,3  T,3N  3N,T", show_default=False),
-]
-Columns = Annotated[
-    str | None,
-    typer.Option(
-        help="Order of columns: state (x1…xN, y1…), robot (x1, y1, θ1, x2…), or all their names.",
-        show_default=False,
-    ),
-]
-Step = Annotated[
-    float | None, typer.Option("--dt", help="Seconds between samples.", show_default=False)
-]
-Array = Annotated[
-    str | None, typer.Option(help="Which array of a file is the poses.", show_default=False)
-]
-DropDamaged = Annotated[
-    bool, typer.Option("--drop-damaged", help="Leave out rows that are not finite, as gaps.")
-]
-Joined = Annotated[bool, typer.Option("--join", help="The files are parts of one run.")]
-Radius = Annotated[
-    float | None,
-    typer.Option(help="Neighbour radius in metres; the log's own by default.", show_default=False),
-]
-Window = Annotated[float, typer.Option(help="Seconds of the Savitzky-Golay window.")]
-Slowest = Annotated[float, typer.Option(help="m/s up to which a robot has no direction.")]
-Settle = Annotated[
-    float | None,
-    typer.Option(
-        help="Seconds at the start that settled means leave out; 20 by default, none of a shorter "
-        "run.",
-        show_default=False,
-    ),
-]
-Json = Annotated[bool, typer.Option("--json", help="Print the summary as JSON, nothing else.")]
-
 
 def report(
-    logs: Logs,
-    out: Out = Path("report"),
-    layout: Layout = None,
-    columns: Columns = None,
-    dt: Step = None,
-    array: Array = None,
-    drop_damaged: DropDamaged = False,
-    join: Joined = False,
-    radius: Radius = None,
-    window: Window = 0.36,
-    slowest: Slowest = 0.01,
-    settle: Settle = None,
-    latex: Annotated[bool, typer.Option("--latex", help="Also write table.tex.")] = False,
-    figures: Annotated[bool, typer.Option(help="Draw figures/*.pdf and *.png.")] = True,
-    json: Json = False,
+    logs: options.Logs,
+    out: options.ReportFolder = Path("report"),
+    layout: options.Layout = None,
+    columns: options.Columns = None,
+    dt: options.Step = None,
+    array: options.Array = None,
+    drop_damaged: options.DropDamaged = False,
+    join: options.Joined = False,
+    radius: options.Radius = None,
+    window: options.Window = 0.36,
+    slowest: options.Slowest = 0.01,
+    settle: options.Settle = None,
+    latex: options.Latex = False,
+    figures: options.Figures = True,
+    json: options.SummaryAsJson = False,
 ) -> None:
     """Did it align, stay together and safe, and how sure are we? A page, figures, numbers.
 
@@ -89,7 +48,7 @@ def report(
 
     analyses = _analyse(
         logs,
-        _options(layout, columns, dt, array, drop_damaged),
+        _reading(layout, columns, dt, array, drop_damaged),
         radius,
         window,
         slowest,
@@ -130,42 +89,20 @@ def _resimulated(runs: list[Path], profile: str | None) -> "Iterator[list[Path]]
 
 
 def compare(
-    runs: Annotated[
-        list[Path],
-        typer.Argument(help="Logs, or saved analyses (.analysis.npz).", show_default=False),
-    ],
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "-o", "--out", help="Also write the overlaid report here.", show_default=False
-        ),
-    ] = None,
-    labels: Annotated[
-        str | None,
-        typer.Option(
-            help="What each run counts as, in order: simulation,testbed,… Runs that share a label "
-            "are averaged.",
-            show_default=False,
-        ),
-    ] = None,
-    resimulate: Annotated[
-        str | None,
-        typer.Option(
-            help="Add each log's commands, simulated under this realism profile: its name, a TOML "
-            "file, or 'calibrated' to fit one to the log first.",
-            show_default=False,
-        ),
-    ] = None,
-    layout: Layout = None,
-    columns: Columns = None,
-    dt: Step = None,
-    array: Array = None,
-    drop_damaged: DropDamaged = False,
-    radius: Radius = None,
-    window: Window = 0.36,
-    slowest: Slowest = 0.01,
-    settle: Settle = None,
-    json: Json = False,
+    runs: options.Runs,
+    out: options.OverlaidReport = None,
+    labels: options.Labels = None,
+    resimulate: options.ResimulatedUnder = None,
+    layout: options.Layout = None,
+    columns: options.Columns = None,
+    dt: options.Step = None,
+    array: options.Array = None,
+    drop_damaged: options.DropDamaged = False,
+    radius: options.Radius = None,
+    window: options.Window = 0.36,
+    slowest: options.Slowest = 0.01,
+    settle: options.Settle = None,
+    json: options.SummaryAsJson = False,
 ) -> None:
     """Put runs side by side: every number, mean and 95 % interval, differences.
 
@@ -182,7 +119,7 @@ def compare(
     from posflock_robotarium.alignment.comparison import compare as compare_runs
 
     with _resimulated(runs, resimulate) as logs:
-        reading = _options(layout, columns, dt, array, drop_damaged)
+        reading = _reading(layout, columns, dt, array, drop_damaged)
         analyses = _analyse(logs, reading, radius, window, slowest, settle, False)
     comparison = compare_runs(analyses, labels.split(",") if labels else None)
     if json:
@@ -202,20 +139,15 @@ def compare(
 
 
 def replay(
-    log: Log,
-    video: Annotated[
-        Path, typer.Option("--video", help="The film: .mp4 or .gif.", show_default=False)
-    ],
-    fps: Annotated[
-        float | None,
-        typer.Option(help="Frames a second; 20 for .mp4, 12.5 for .gif.", show_default=False),
-    ] = None,
-    speed: Annotated[float, typer.Option(help="Seconds of the run a second of film.")] = 1.0,
-    layout: Layout = None,
-    columns: Columns = None,
-    dt: Step = None,
-    array: Array = None,
-    drop_damaged: DropDamaged = False,
+    log: options.Log,
+    video: options.Film,
+    fps: options.FramesPerSecond = None,
+    speed: options.Speed = 1.0,
+    layout: options.Layout = None,
+    columns: options.Columns = None,
+    dt: options.Step = None,
+    array: options.Array = None,
+    drop_damaged: options.DropDamaged = False,
 ) -> None:
     """Film a run from above.
 
@@ -231,33 +163,21 @@ def replay(
     from posflock_robotarium.report import read
     from posflock_robotarium.report.video import write_video
 
-    recording = read(log, _options(layout, columns, dt, array, drop_damaged))
+    recording = read(log, _reading(layout, columns, dt, array, drop_damaged))
     with progress("filming") as told:
         write_video(recording, video, fps=fps, speed=speed, robot=recording.robot, progress=told)
     typer.echo(f"wrote {video}")
 
 
 def convert(
-    log: Log,
-    to: Annotated[
-        str,
-        typer.Option(
-            "--to",
-            help="npy (a pose log), mat, csv, npz or mcap (for Foxglove).",
-            show_default=False,
-        ),
-    ],
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "-o", "--out", help="The file; beside the log by default.", show_default=False
-        ),
-    ] = None,
-    layout: Layout = None,
-    columns: Columns = None,
-    dt: Step = None,
-    array: Array = None,
-    drop_damaged: DropDamaged = False,
+    log: options.Log,
+    to: options.Format,
+    out: options.ConvertedFile = None,
+    layout: options.Layout = None,
+    columns: options.Columns = None,
+    dt: options.Step = None,
+    array: options.Array = None,
+    drop_damaged: options.DropDamaged = False,
 ) -> None:
     """Write a log in another tool's format.
 
@@ -280,11 +200,11 @@ def convert(
     if target.exists() and target.resolve() == log.resolve():
         raise ParameterError(f"{target} is the log itself; name another file with --out")
     typer.echo(
-        f"wrote {write(read(log, _options(layout, columns, dt, array, drop_damaged)), target)}"
+        f"wrote {write(read(log, _reading(layout, columns, dt, array, drop_damaged)), target)}"
     )
 
 
-def _options(
+def _reading(
     layout: str | None,
     columns: str | None,
     dt: float | None,
@@ -310,14 +230,14 @@ def _analyse(
     from posflock_robotarium.commands.terminal import progress
     from posflock_robotarium.report import AnalysisOptions, analyse, load, read_parts
 
-    options = AnalysisOptions(radius=radius, window=window, slowest=slowest, settle=settle)
+    judged = AnalysisOptions(radius=radius, window=window, slowest=slowest, settle=settle)
     if join:
-        return [analyse(read_parts(logs, reading), options)]
+        return [analyse(read_parts(logs, reading), judged)]
     analyses = []
     with progress("analysing") as told:
         for done, log in enumerate(logs, start=1):
             saved = is_analysis(log)
-            analyses.append(load(log) if saved else analyse(log, options, read_options=reading))
+            analyses.append(load(log) if saved else analyse(log, judged, read_options=reading))
             told(done, len(logs))
     return distinctly_named(analyses)
 

@@ -5,51 +5,23 @@ from typing import Annotated
 
 import typer
 
+from posflock_robotarium.commands import options
+
 
 def run(
     context: typer.Context,
-    script: Annotated[Path, typer.Argument(help="The script; what follows it is its own.")],
-    generation: Annotated[
-        int | None,
-        typer.Option(min=1, max=2, help="Of the API. Default: found in the source."),
-    ] = None,
-    headless: Annotated[
-        bool | None,
-        typer.Option(
-            "--headless/--window", help="No window, no waiting. Default without a display."
-        ),
-    ] = None,
-    initial: Annotated[
-        str,
-        typer.Option(
-            help="How robots come to their initial conditions: published, exact, arrive (within "
-            "the testbed's 5 cm and 0.2 rad) or drive."
-        ),
-    ] = "published",
-    seed: Annotated[
-        int | None,
-        typer.Option(
-            help="Seed of Python's and numpy's global generators: on one machine, the same bytes."
-        ),
-    ] = None,
-    profile: Annotated[
-        str, typer.Option(help="Imperfections: ideal, gritsbot_x, harsh, or a file profile.toml.")
-    ] = "ideal",
-    timeout: Annotated[
-        float | None, typer.Option(help="Stop the script after so many seconds.")
-    ] = None,
-    answer: Annotated[
-        list[str] | None, typer.Option("--input", help="An answer to input(); repeatable.")
-    ] = None,
-    snapshot: Annotated[str, typer.Option(help="Save the figure at these seconds: 0,10,end")] = "",
-    video: Annotated[
-        Path | None, typer.Option(help="Film the run, in the output folder: run.mp4 or .gif")
-    ] = None,
-    out: Annotated[
-        Path | None,
-        typer.Option("-o", "--out", help="Folder for log, report, pictures. Default runs/SCRIPT."),
-    ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
+    script: options.ScriptAndArguments,
+    generation: options.FoundGeneration = None,
+    headless: options.Headless = None,
+    initial: options.Initial = "published",
+    seed: options.ScriptSeed = None,
+    profile: options.Profile = "ideal",
+    timeout: options.StopAfter = None,
+    answer: options.Answers = None,
+    snapshot: options.Snapshots = "",
+    video: options.RunFilm = None,
+    out: options.RunFolder = None,
+    as_json: options.ReportAsJson = False,
 ) -> None:
     """Run a Robotarium script of either generation, unmodified, and keep its pose log.
 

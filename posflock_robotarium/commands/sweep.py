@@ -1,24 +1,18 @@
 """``posflock sweep``: many runs of one experiment, described in a file."""
 
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
+from posflock_robotarium.commands import options
+
 
 def sweep(
-    study: Annotated[Path, typer.Argument(help="A study file, TOML.")],
-    out: Annotated[
-        Path | None,
-        typer.Option("--out", "-o", help="Folder; by default results/ and the study's name."),
-    ] = None,
-    workers: Annotated[
-        int | None, typer.Option(min=1, help="Processes; by default one a processor.")
-    ] = None,
-    scheduler: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="Send the runs to this Dask scheduler.")
-    ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print what was done as JSON.")] = False,
+    study: options.StudyFile,
+    out: options.StudyFolder = None,
+    workers: options.Workers = None,
+    scheduler: options.Scheduler = None,
+    as_json: options.DoneAsJson = False,
 ) -> None:
     """Run a study: grids and distributions of parameters, kept in a store that survives.
 

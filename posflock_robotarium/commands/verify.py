@@ -1,52 +1,36 @@
 """``posflock verify`` and ``posflock profile``: whether a script will run on the testbed."""
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from posflock_robotarium.commands import options
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from posflock_robotarium.verify import Ablation, Report
+    from posflock_robotarium.verify.trials import Limits
+
 
 def verify(
-    script: Annotated[Path, typer.Argument(help="The experiment's main file.", show_default=False)],
-    trials: Annotated[
-        int | None,
-        typer.Option(
-            "--trials",
-            "-n",
-            help="Runs with imperfections. Default: 20, with --effect 5 each.",
-        ),
-    ] = None,
-    profile: Annotated[
-        str, typer.Option(help="Imperfections: ideal, gritsbot_x, harsh, or a TOML file.")
-    ] = "gritsbot_x",
-    duration: Annotated[
-        float | None,
-        typer.Option("--duration", "-d", help="Seconds you will declare at submission, if known."),
-    ] = None,
-    generation: Annotated[
-        int, typer.Option(help="Generation of the API on the testbed, 1 or 2.")
-    ] = 2,
-    seed: Annotated[int, typer.Option(help="First seed of the trials.")] = 0,
-    out: Annotated[
-        Path | None, typer.Option("--out", "-o", help="Folder for verify.html and verify.json.")
-    ] = None,
-    json_only: Annotated[
-        bool, typer.Option("--json", help="Print verify.json, and nothing else.")
-    ] = False,
-    effect: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--effect", help="Instead: run under this imperfection alone; 'each' for each in turn."
-        ),
-    ] = None,
-    jobs: Annotated[
-        int | None, typer.Option(min=1, help="Trials at a time. Default: one a processor.")
-    ] = None,
-    stall: Annotated[
-        float, typer.Option(help="Seconds without a step after which a trial hangs.")
-    ] = 20.0,
-    timeout: Annotated[float, typer.Option(help="Seconds that a trial may take.")] = 300.0,
-    memory: Annotated[float, typer.Option(help="GiB that a trial may allocate.")] = 2.0,
+    script: options.Script,
+    trials: options.Trials = None,
+    profile: options.Profile = "gritsbot_x",
+    duration: options.Declared = None,
+    generation: options.TestbedGeneration = 2,
+    seed: options.FirstSeed = 0,
+    out: options.VerifyFolder = None,
+    json_only: options.VerifyAsJson = False,
+    effect: options.Effects = None,
+    jobs: options.Jobs = None,
+    stall: options.Stall = 20.0,
+    timeout: options.TrialSeconds = 300.0,
+    memory: options.TrialMemory = 2.0,
 ) -> None:
     """Predict whether the testbed takes a script, runs it to its end, and returns its data.
 
@@ -61,40 +45,16 @@ def verify(
 
         posflock verify main.py --effect each
     """
-    from rich.console import Console
-    from rich.progress import Progress
+    from posflock_robotarium import verify as judging
 
-    from posflock_robotarium.flocking.errors import ParameterError
-    from posflock_robotarium.verify import EFFECT_TRIALS, TRIALS, ablate
-    from posflock_robotarium.verify import verify as run
-    from posflock_robotarium.verify.pages import write_report
-    from posflock_robotarium.verify.terminal import print_ablation, print_report
-    from posflock_robotarium.verify.trials import Limits
-
-    for name, value in (("stall", stall), ("timeout", timeout), ("memory", memory)):
-        if not value > 0:
-            raise ParameterError(f"{name}: expected more than 0, got {value}")
-    limits = Limits(
-        jobs=Limits.jobs if jobs is None else jobs,
-        stall=stall,
-        seconds=timeout,
-        memory=int(memory * 2**30),
-    )
-    console = Console(soft_wrap=not Console().is_terminal)
-    with Progress(
-        console=Console(stderr=True), transient=True, disable=json_only or not console.is_terminal
-    ) as progress:
-        task = progress.add_task("starting", total=None)
-
-        def tell(what: str, done: int, total: int) -> None:
-            progress.update(task, description=what, completed=done, total=total)
-
+    limits = _limits(jobs, stall, timeout, memory)
+    console = _console()
+    with _progress(hidden=json_only or not console.is_terminal) as tell:
         if effect:
-            named = [] if "each" in effect else effect
-            rows = ablate(
+            rows = judging.ablate(
                 script,
-                effects=named,
-                trials=EFFECT_TRIALS if trials is None else trials,
+                effects=[] if "each" in effect else effect,
+                trials=judging.EFFECT_TRIALS if trials is None else trials,
                 profile=profile,
                 generation=generation,
                 seed=seed,
@@ -102,9 +62,9 @@ def verify(
                 tell=tell,
             )
         else:
-            report = run(
+            report = judging.verify(
                 script,
-                trials=TRIALS if trials is None else trials,
+                trials=judging.TRIALS if trials is None else trials,
                 profile=profile,
                 generation=generation,
                 declared=duration,
@@ -113,24 +73,70 @@ def verify(
                 tell=tell,
             )
     if effect:
-        if json_only:
-            import json
-            from dataclasses import asdict
-
-            typer.echo(json.dumps([asdict(row) for row in rows], indent=1))
-        else:
-            print_ablation(rows, console)
+        _print_ablation(rows, console, json_only)
         return
+    _print_report(report, out, console, json_only)
+    raise typer.Exit(report.exit_code)
+
+
+def _limits(jobs: int | None, stall: float, timeout: float, memory: float) -> "Limits":
+    from posflock_robotarium.flocking.errors import ParameterError
+    from posflock_robotarium.verify.trials import Limits
+
+    for name, value in (("stall", stall), ("timeout", timeout), ("memory", memory)):
+        if not value > 0:
+            raise ParameterError(f"{name}: expected more than 0, got {value}")
+    allowed = Limits(stall=stall, seconds=timeout, memory=int(memory * 2**30))
+    return allowed if jobs is None else replace(allowed, jobs=jobs)
+
+
+def _console() -> "Console":
+    """Return where results are printed; lines for a program are not wrapped."""
+    from rich.console import Console
+
+    return Console(soft_wrap=not Console().is_terminal)
+
+
+@contextmanager
+def _progress(hidden: bool) -> Iterator[Callable[[str, int, int], None]]:
+    """Yield what is told of the trials: which, how many are done, of how many."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True, disable=hidden) as progress:
+        task = progress.add_task("starting", total=None)
+
+        def tell(what: str, done: int, total: int) -> None:
+            progress.update(task, description=what, completed=done, total=total)
+
+        yield tell
+
+
+def _print_ablation(rows: list["Ablation"], console: "Console", as_json: bool) -> None:
+    if as_json:
+        import json
+
+        typer.echo(json.dumps([asdict(row) for row in rows], indent=1))
+        return
+    from posflock_robotarium.verify.terminal import print_ablation
+
+    print_ablation(rows, console)
+
+
+def _print_report(report: "Report", out: Path | None, console: "Console", as_json: bool) -> None:
+    """Write the report where a folder is named, and print it."""
+    from posflock_robotarium.verify.pages import write_report
+    from posflock_robotarium.verify.terminal import print_report
+
     written = write_report(report, out) if out is not None else []
-    if json_only:
+    if as_json:
         import json
 
         typer.echo(json.dumps(report.as_dict(), indent=1))
-    else:
-        print_report(report, console)
-        for path in written:
-            console.print(f"wrote {path}", highlight=False)
-    raise typer.Exit(report.exit_code)
+        return
+    print_report(report, console)
+    for path in written:
+        console.print(f"wrote {path}", highlight=False)
 
 
 def profile(

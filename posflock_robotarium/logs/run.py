@@ -69,6 +69,18 @@ class Ending:
     reason: str = ""
 
 
+def ending_of(parameters: Mapping[str, Any]) -> Ending | None:
+    """Return how a run ended by what its log says; None where it does not, or nothing known."""
+    said = parameters.get("ended")
+    if not isinstance(said, Mapping):
+        return None
+    try:
+        how = How(said.get("how"))
+    except ValueError:
+        return None
+    return Ending(how, str(said.get("reason") or ""))
+
+
 @dataclass(frozen=True)
 class Run:
     """Poses of one run over time, and all that is known about it.
@@ -182,14 +194,7 @@ class Run:
     @property
     def ending(self) -> Ending | None:
         """How the run ended; None where the log does not say."""
-        said = self.parameters.get("ended")
-        if not isinstance(said, Mapping):
-            return None
-        try:
-            how = How(said.get("how"))
-        except ValueError:
-            return None
-        return Ending(how, str(said.get("reason") or ""))
+        return ending_of(self.parameters)
 
     @property
     def planned(self) -> float | None:

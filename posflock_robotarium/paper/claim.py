@@ -11,14 +11,33 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from enum import Enum
+from typing import Any
 
 import numpy as np
 
 from barrier_certificates import ties
 from posflock_robotarium.paper.evidence import Evidence
 
-Verdict = Literal["holds", "holds weakly", "does not hold"]
+
+class Verdict(Enum):
+    """What becomes of a claim, in words; `mark` shows it at a glance."""
+
+    HOLDS = "holds"
+    HOLDS_WEAKLY = "holds weakly"
+    DOES_NOT_HOLD = "does not hold"
+
+    @property
+    def mark(self) -> str:
+        """A sign for tables."""
+        return {Verdict.HOLDS: "✓", Verdict.HOLDS_WEAKLY: "~", Verdict.DOES_NOT_HOLD: "✗"}[self]
+
+
+class Sense(Enum):
+    """Which side of its thresholds a claim is on."""
+
+    AT_LEAST = "at least"
+    AT_MOST = "at most"
 
 
 @dataclass(frozen=True)
@@ -34,8 +53,10 @@ class Claim:
     test : str
         What is measured, in words.
     measure : function of Evidence
-        Gives the number that is judged.
-    sense : {"at least", "at most"}
+        The number.
+    unit : str
+        Of the number; empty for shares and cosines.
+    sense : Sense
         Which side of the thresholds the paper claims.
     holds, weakly : float
         From the first on the claim holds, from the second on weakly.
@@ -49,7 +70,7 @@ class Claim:
     claim: str
     test: str
     measure: Callable[[Evidence], float]
-    sense: Literal["at least", "at most"]
+    sense: Sense
     holds: float
     weakly: float
     unit: str = ""
@@ -68,10 +89,12 @@ class Claim:
 
     def _verdict(self, value: float) -> Verdict:
         # A number that could not be measured (NaN) compares as false: nothing holds.
-        sign = 1.0 if self.sense == "at least" else -1.0
+        sign = 1.0 if self.sense is Sense.AT_LEAST else -1.0
         if ties.reached(sign * value, sign * self.holds):
-            return "holds"
-        return "holds weakly" if ties.reached(sign * value, sign * self.weakly) else "does not hold"
+            return Verdict.HOLDS
+        if ties.reached(sign * value, sign * self.weakly):
+            return Verdict.HOLDS_WEAKLY
+        return Verdict.DOES_NOT_HOLD
 
 
 @dataclass(frozen=True)
@@ -97,8 +120,8 @@ class Judgement:
         """The comparison that made the verdict, and why where that is known."""
         claim, unit = self.claim, f" {self.claim.unit}" if self.claim.unit else ""
         compared = (
-            f"Measured {self.value:.3g}{unit}; holds {claim.sense} {claim.holds:g}{unit},"
-            f" weakly {claim.sense} {claim.weakly:g}{unit}."
+            f"Measured {self.value:.3g}{unit}; holds {claim.sense.value} {claim.holds:g}{unit},"
+            f" weakly {claim.sense.value} {claim.weakly:g}{unit}."
         )
         return " ".join([compared, claim.reasons.get(self.verdict, "")]).strip()
 
@@ -111,10 +134,10 @@ class Judgement:
             "value": self.value if np.isfinite(self.value) else None,
             "unit": self.claim.unit,
             "thresholds": {
-                "sense": self.claim.sense,
-                "holds": self.claim.holds,
-                "holds weakly": self.claim.weakly,
+                "sense": self.claim.sense.value,
+                Verdict.HOLDS.value: self.claim.holds,
+                Verdict.HOLDS_WEAKLY.value: self.claim.weakly,
             },
-            "verdict": self.verdict,
+            "verdict": self.verdict.value,
             "reason": self.reason,
         }

@@ -8,8 +8,10 @@ does not measure.  *Robots*: nine of them on wheels in the arena, ideal and impe
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, as_completed
+from concurrent.futures import Executor, Future, as_completed
 from dataclasses import dataclass, replace
+from enum import Enum
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +24,7 @@ from posflock_robotarium.flocking.law import displacements, neighbours, phi
 from posflock_robotarium.freespace.sensing import Sensing
 from posflock_robotarium.freespace.simulation import FreeSpace, Model, Recording, simulate_batch
 from posflock_robotarium.logs.run import Run
-from posflock_robotarium.paper.robots import drive
+from posflock_robotarium.paper.robots import Drive, drive
 from posflock_robotarium.simulation.workers import local_pool
 
 Floats = NDArray[np.float64]
@@ -40,24 +42,41 @@ _IMPRINTED = (Model.POSITION, Model.POSITION_NO_THRESHOLD)
 _POSITION_NOISE = (0.0, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5)
 
 
+class Study(Enum):
+    """What is varied: a heading, and the unit of the values that it takes."""
+
+    TIME_STEP = "time step", "s"
+    DISTANCE_SCALE = "distance scale δ", "m"
+    PERSISTENCE = "persistence k", "1/s"
+    THREE_DIMENSIONS = "three dimensions", ""
+    LARGER_TEAMS = "times as many agents", ""
+    POSITION_NOISE = "position noise", "m"
+    DROPOUT = "dropout", ""
+    DELAY = "delay", "s"
+    VANISHING = "vanishing agents", ""
+    STOPPING = "stopping agents", ""
+    DIFFERENTIATED_NOISE = "differentiated noise", "m"
+
+    def __init__(self, title: str, unit: str) -> None:
+        self.title = title
+        self.unit = unit
+
+
 @dataclass(frozen=True)
 class Variation:
     """One parameter changed.
 
     Attributes
     ----------
-    study : str
-        What is varied, a heading: "time step", "position noise"...
-    unit : str
-        Of `value`.
+    study : Study
+        What is varied.
     value : float
-        What it is set to.
+        What it is set to, in the unit of the study.
     scenario : FreeSpace
         The simulation that follows.
     """
 
-    study: str
-    unit: str
+    study: Study
     value: float
     scenario: FreeSpace
 
@@ -144,7 +163,7 @@ class Evidence:
         """
         return summarise(self.measures[model])
 
-    def study(self, name: str, model: Model) -> tuple[Floats, list[dict[str, Floats]]]:
+    def study(self, study: Study, model: Model) -> tuple[Floats, list[dict[str, Floats]]]:
         """Return the values of a variation, and the summary numbers at each.
 
         Parameters
@@ -164,11 +183,11 @@ class Evidence:
         chosen = [
             (variation.value, summarise(measures))
             for variation, measures in self.variations
-            if variation.study == name and variation.scenario.model is model
+            if variation.study is study and variation.scenario.model is model
         ]
         return np.array([value for value, _ in chosen]), [numbers for _, numbers in chosen]
 
-    def at(self, name: str, model: Model, value: float) -> dict[str, Floats]:
+    def at(self, study: Study, model: Model, value: float) -> dict[str, Floats]:
         """Return the summary numbers of one variation at one value.
 
         Parameters
@@ -185,7 +204,7 @@ class Evidence:
         dict of (B,) arrays
             By the key of the number; over seeds.
         """
-        values, numbers = self.study(name, model)
+        values, numbers = self.study(study, model)
         return numbers[int(np.flatnonzero(values == value)[0])]
 
 
@@ -201,40 +220,40 @@ def variations(paper: FreeSpace) -> Iterator[Variation]:
     both = (Model.VELOCITY, Model.POSITION)
     for value in (0.0125, 0.025, 0.05, 0.1, 0.2):
         for model in Model:
-            yield Variation("time step", "s", value, replace(base, model=model, time_step=value))
+            yield Variation(Study.TIME_STEP, value, replace(base, model=model, time_step=value))
     for value in (0.3, 0.4, 0.5, 0.6, 0.8):
         for model in both:
             law = replace(base.law, distance_scale=value)
-            yield Variation("distance scale δ", "m", value, replace(base, model=model, law=law))
+            yield Variation(Study.DISTANCE_SCALE, value, replace(base, model=model, law=law))
     for value in (0.02, 0.05, 0.1, 0.2, 0.5, 1.0):
         law = replace(base.law, persistence=value)
-        yield Variation("persistence k", "1/s", value, replace(base, law=law))
+        yield Variation(Study.PERSISTENCE, value, replace(base, law=law))
     for model in Model:
         cube = replace(base, model=model, dimensions=3, side=CUBE_SIDE)
-        yield Variation("three dimensions", "", 3.0, cube)
+        yield Variation(Study.THREE_DIMENSIONS, 3.0, cube)
     for model in both:
         larger = replace(base, model=model, agents=2 * base.agents, side=base.side * 2.0**0.5)
-        yield Variation("times as many agents", "", 2.0, larger)
+        yield Variation(Study.LARGER_TEAMS, 2.0, larger)
         for value in _POSITION_NOISE:
             blurred = replace(base, model=model, sensing=Sensing(position_noise=value))
-            yield Variation("position noise", "m", value, blurred)
+            yield Variation(Study.POSITION_NOISE, value, blurred)
         for value in (0.0, 0.02, 0.05, 0.1, 0.2):
             lossy = replace(base, model=model, sensing=Sensing(dropout=value))
-            yield Variation("dropout", "", value, lossy)
+            yield Variation(Study.DROPOUT, value, lossy)
         for value in (0.0, 0.05, 0.1, 0.2):
             late = replace(base, model=model, sensing=Sensing(delay=value))
-            yield Variation("delay", "s", value, late)
+            yield Variation(Study.DELAY, value, late)
         for value in (0.0, 0.02, 0.1, 0.2, 0.4):
             stuck = Sensing(failing=value, failure="stop")
             gone = replace(stuck, failure="vanish") if value else stuck
-            yield Variation("vanishing agents", "", value, replace(base, model=model, sensing=gone))
-            yield Variation("stopping agents", "", value, replace(base, model=model, sensing=stuck))
+            yield Variation(Study.VANISHING, value, replace(base, model=model, sensing=gone))
+            yield Variation(Study.STOPPING, value, replace(base, model=model, sensing=stuck))
     for value in _POSITION_NOISE:
         # The error of a difference of two positions, over the time between them.
         velocity_noise = 2.0**0.5 * value / DIFFERENCE_INTERVAL
         noisy = Sensing(position_noise=value, velocity_noise=velocity_noise)
         scenario = replace(base, model=Model.VELOCITY, sensing=noisy)
-        yield Variation("differentiated noise", "m", value, scenario)
+        yield Variation(Study.DIFFERENTIATED_NOISE, value, scenario)
 
 
 def gather(
@@ -278,50 +297,77 @@ def gather(
     if seeds < 2:
         raise ParameterError(f"seeds: expected at least 2, for a spread over them, got {seeds}")
     of_paper = tuple(range(first_seed, first_seed + seeds))
-    fewer = of_paper[: max(2, seeds // 2)]
-    simulation = paper or FreeSpace()
-    changed = list(variations(simulation))
     with local_pool(workers) as pool:
-        # The longest tasks first: no processor idles at the end while another finishes one.
-        driven = [
-            [pool.submit(drive, seed, imperfect=imperfect, duration=driving) for seed in fewer]
-            for imperfect in (False, True)
-        ]
-        # Many variations pass through the paper's own values: equal scenarios run once.
-        scenarios = {str(v.scenario.as_dict()): v.scenario for v in changed}
-        varied = {
-            text: [pool.submit(_run, scenario, part) for part in _parts(fewer)]
-            for text, scenario in scenarios.items()
-        }
-        compared = {
-            model: [
-                pool.submit(_run_paper, replace(simulation, model=model), part)
-                for part in _parts(of_paper)
-            ]
-            for model in Model
-        }
-        tasks: list[Future[object]] = [
-            task
-            for group in (*driven, *varied.values(), *compared.values())
-            for task in group  # type: ignore[attr-defined]
-        ]
-        for done, task in enumerate(as_completed(tasks), start=1):
+        tasks = _submit(pool, paper or FreeSpace(), of_paper, driving)
+        all_ = tasks.longest_first()
+        for done, task in enumerate(as_completed(all_), start=1):
             task.result()
-            progress(done, len(tasks))
+            progress(done, len(all_))
+        return tasks.evidence(of_paper)
+
+
+_OfPaper = tuple[Measures, Recording, Floats]
+
+
+@dataclass(frozen=True)
+class _Tasks:
+    """What is being computed, each group with the tasks that it is made of."""
+
+    driven: list[Future[Drive]]
+    driven_imperfectly: list[Future[Drive]]
+    varied: list[tuple[Variation, list[Future[Measures]]]]
+    """Variations whose scenarios are equal have the same tasks."""
+    compared: dict[Model, list[Future[_OfPaper]]]
+
+    def longest_first(self) -> list[Future[Any]]:
+        """Return every task once: no processor idles at the end while another finishes one."""
+        varied = [task for _, tasks in self.varied for task in tasks]
+        compared = [task for tasks in self.compared.values() for task in tasks]
+        tasks: list[Future[Any]] = [*self.driven, *self.driven_imperfectly, *varied, *compared]
+        return list(dict.fromkeys(tasks))
+
+    def evidence(self, seeds: tuple[int, ...]) -> Evidence:
+        """Put the results together."""
+        compared = {m: [task.result() for task in tasks] for m, tasks in self.compared.items()}
         return Evidence(
-            seeds=of_paper,
-            measures={m: _joined([task.result()[0] for task in compared[m]]) for m in Model},
-            singles={m: compared[m][0].result()[1] for m in Model},
-            imprint={
-                m: np.concatenate([task.result()[2] for task in compared[m]]) for m in _IMPRINTED
-            },
+            seeds=seeds,
+            measures={m: _joined([part[0] for part in parts]) for m, parts in compared.items()},
+            singles={m: parts[0][1] for m, parts in compared.items()},
+            imprint={m: np.concatenate([part[2] for part in compared[m]]) for m in _IMPRINTED},
             variations=tuple(
-                (v, _joined([task.result() for task in varied[str(v.scenario.as_dict())]]))
-                for v in changed
+                (variation, _joined([task.result() for task in tasks]))
+                for variation, tasks in self.varied
             ),
-            robots=_robots([task.result() for task in driven[0]]),
-            imperfect_robots=_robots([task.result() for task in driven[1]]),
+            robots=_robots([task.result() for task in self.driven]),
+            imperfect_robots=_robots([task.result() for task in self.driven_imperfectly]),
         )
+
+
+def _submit(
+    pool: Executor, simulation: FreeSpace, of_paper: tuple[int, ...], driving: float
+) -> _Tasks:
+    """Have everything computed: the paper's simulation for all seeds, the rest for half of them."""
+    fewer = of_paper[: max(2, len(of_paper) // 2)]
+    driven, imperfectly = (
+        [pool.submit(drive, seed, imperfect=imperfect, duration=driving) for seed in fewer]
+        for imperfect in (False, True)
+    )
+    # Many variations pass through the paper's own values: equal scenarios run once.
+    once: dict[str, list[Future[Measures]]] = {}
+    varied = []
+    for variation in variations(simulation):
+        text = str(variation.scenario.as_dict())
+        if text not in once:
+            once[text] = [pool.submit(_run, variation.scenario, part) for part in _parts(fewer)]
+        varied.append((variation, once[text]))
+    compared = {
+        model: [
+            pool.submit(_run_paper, replace(simulation, model=model), part)
+            for part in _parts(of_paper)
+        ]
+        for model in Model
+    }
+    return _Tasks(driven, imperfectly, varied, compared)
 
 
 def _parts(seeds: Sequence[int]) -> list[Sequence[int]]:
@@ -336,7 +382,7 @@ def _run(scenario: FreeSpace, seeds: Sequence[int]) -> Measures:
     return measure(simulate_batch(scenario, seeds), scenario.law.radius)
 
 
-def _run_paper(scenario: FreeSpace, seeds: Sequence[int]) -> tuple[Measures, Recording, Floats]:
+def _run_paper(scenario: FreeSpace, seeds: Sequence[int]) -> _OfPaper:
     """Run some seeds of the paper's simulation; return one run to draw as well."""
     recording = simulate_batch(scenario, seeds)
     times = (1.0 / scenario.law.persistence, scenario.duration)
@@ -355,6 +401,12 @@ def _imprint_pull(scenario: FreeSpace, recording: Recording, time: float) -> Flo
     return np.asarray(np.sqrt(np.square(pull).sum(axis=1)).mean(axis=-1))
 
 
-def _robots(runs: Sequence[tuple[Run, Summary, Floats, Floats]]) -> Robots:
-    logs, summaries, headings, motion = zip(*runs, strict=True)
-    return Robots(logs[0].t, np.stack(headings), np.stack(motion), tuple(summaries), logs[0])
+def _robots(runs: Sequence[Drive]) -> Robots:
+    first = runs[0].log
+    return Robots(
+        first.t,
+        np.stack([run.gamma_headings for run in runs]),
+        np.stack([run.gamma_motion for run in runs]),
+        tuple(run.summary for run in runs),
+        first,
+    )

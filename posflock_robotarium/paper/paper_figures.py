@@ -7,13 +7,15 @@ colour and in dash.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from posflock_robotarium.figures.experiment import snapshots
+from posflock_robotarium.figures.look import Look
 from posflock_robotarium.figures.style import (
     BLACK,
     BLUE,
@@ -26,16 +28,16 @@ from posflock_robotarium.figures.style import (
 )
 from posflock_robotarium.flocking.law import PAPER_SIMULATION, phi
 from posflock_robotarium.freespace.simulation import Model, Recording
-from posflock_robotarium.paper.evidence import Evidence, Floats, Robots
+from posflock_robotarium.paper.evidence import Evidence, Floats, Robots, Study
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_LOOK: dict[Model, dict[str, Any]] = {
-    Model.VELOCITY: {"color": BLUE, "linestyle": (0, (4, 1.5))},
-    Model.POSITION: {"color": ORANGE, "linestyle": "-"},
-    Model.POSITION_NO_THRESHOLD: {"color": GREEN, "linestyle": (0, (1, 1))},
+_LOOK = {
+    Model.VELOCITY: Look(BLUE, (0, (4, 1.5))),
+    Model.POSITION: Look(ORANGE),
+    Model.POSITION_NO_THRESHOLD: Look(GREEN, (0, (1, 1))),
 }
 
 #: Panels of the history figure: measure, axis label.
@@ -86,7 +88,8 @@ def gain() -> Figure:
         (Model.POSITION_NO_THRESHOLD, None, "without"),
     ):
         values = [float(phi(time, 1, persistence)) for time in times]
-        axes.plot(times, values, linewidth=1.3, label=label, **_LOOK[model])
+        look = _LOOK[model]
+        axes.plot(times, values, linewidth=1.3, label=label, color=look.colour, linestyle=look.dash)
     axes.axvline(1.0 / k, color=GREY, linewidth=0.7, zorder=0)
     axes.text(1.0 / k + 0.7, 0.93, "t = 1/k", fontsize=7, transform=axes.get_xaxis_transform())
     axes.set(xlabel="time (s)", ylabel="φ / |N| (1/s)", xlim=(0, 40), ylim=(0, 1.0))
@@ -108,7 +111,7 @@ def trajectories(singles: dict[Model, Recording]) -> Figure:
         figure.subplots(1, 3), singles.items(), "abc", strict=True
     ):
         p, v = run.positions, run.velocities
-        axes.plot(p[:, 0], p[:, 1], color=_LOOK[model]["color"], linewidth=0.35, alpha=0.55)
+        axes.plot(p[:, 0], p[:, 1], color=_LOOK[model].colour, linewidth=0.35, alpha=0.55)
         axes.plot(*p[0, :2], linestyle="", marker=".", markersize=2.5, color=GREY, label="t = 0 s")
         axes.quiver(
             *p[-1, :2],
@@ -206,16 +209,41 @@ def robots_alignment(robots: Robots, *, single: bool) -> Figure:
     """
     figure = new_figure(3.5, 2.4)
     axes = figure.subplots()
-    for values, label, colour, dash in (
-        (robots.gamma_headings, "headings", BLUE, "-"),
-        (robots.gamma_motion, "motion", ORANGE, (0, (4, 1.5))),
+    for values, label, look in (
+        (robots.gamma_headings, "headings", Look(BLUE)),
+        (robots.gamma_motion, "motion", Look(ORANGE, (0, (4, 1.5)))),
     ):
-        _line(axes, robots.times, values, single, label=label, color=colour, linestyle=dash)
+        _line(axes, robots.times, values, single, label, look)
     axes.axhline(1.0, color=GREY, linewidth=0.5, zorder=0)
     axes.set(xlabel="time (s)", ylabel="alignment γ (–)", xlim=(0, robots.times[-1]))
     axes.set_ylim(top=1.05)
     axes.legend(loc="lower right", title="γ from", title_fontsize=7)
     return figure
+
+
+@dataclass(frozen=True)
+class _Curve:
+    """The medians of one study and model over its values, with a name and a look."""
+
+    study: Study
+    model: Model
+    label: str
+    look: Look
+
+
+def _of_models(study: Study, models: Iterable[Model]) -> tuple[_Curve, ...]:
+    """Return the curves of several models in one study."""
+    return tuple(_Curve(study, model, model.label, _LOOK[model]) for model in models)
+
+
+_BOTH = (Model.VELOCITY, Model.POSITION)
+#: What a V-based agent without a velocity sensor makes of noisy positions.
+_DIFFERENTIATING = _Curve(
+    Study.DIFFERENTIATED_NOISE,
+    Model.VELOCITY,
+    "V-based, velocities from noisy positions",
+    Look(BLACK, (0, (5, 1, 1, 1))),
+)
 
 
 @in_style
@@ -227,24 +255,22 @@ def parameters(evidence: Evidence) -> Figure:
     evidence : Evidence
         Every run of the reproduction.
     """
-    studies = (
-        ("time step", "time step dt (s)", tuple(Model)),
-        ("distance scale δ", "distance scale δ (m)", (Model.VELOCITY, Model.POSITION)),
-        ("persistence k", "persistence k (1/s)", (Model.POSITION,)),
+    columns = (
+        ("time step dt (s)", _of_models(Study.TIME_STEP, Model)),
+        ("distance scale δ (m)", _of_models(Study.DISTANCE_SCALE, _BOTH)),
+        ("persistence k (1/s)", _of_models(Study.PERSISTENCE, (Model.POSITION,))),
     )
     figure = new_figure(7.2, 3.9)
     panels = figure.subplots(2, 3, sharex="col", sharey="row")
-    for column, (study, label, models) in enumerate(studies):
-        for model in models:
-            values, numbers = evidence.study(study, model)
-            for row, name in enumerate(("gamma_settled", "nearest_neighbour_settled")):
-                spread = np.stack([each[name] for each in numbers])
-                _spread(panels[row, column], values, spread, model.label, _LOOK[model])
-        panels[1, column].set_xlabel(label)
-        if study != "distance scale δ":
-            panels[1, column].set_xscale("log")
-            panels[1, column].set_xticks(values, [f"{value:g}" for value in values], minor=False)
-            panels[1, column].minorticks_off()
+    for (upper, lower), (label, curves) in zip(panels.T, columns, strict=True):
+        for curve in curves:
+            _spread(upper, evidence, curve, "gamma_settled")
+            values = _spread(lower, evidence, curve, "nearest_neighbour_settled")
+        lower.set_xlabel(label)
+        if curve.study is not Study.DISTANCE_SCALE:
+            lower.set_xscale("log")
+            lower.set_xticks(values, [f"{value:g}" for value in values], minor=False)
+            lower.minorticks_off()
     panels[0, 0].set_ylabel("mean γ, t > 20 s (–)")
     panels[1, 0].set_ylabel("nearest neighbour (m)")
     figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
@@ -260,35 +286,27 @@ def sensing(evidence: Evidence) -> Figure:
     evidence : Evidence
         Every run of the reproduction.
     """
-    both = ((Model.VELOCITY, None), (Model.POSITION, None))
-    noise_label = "position noise σ (m)"
-    studies: tuple[tuple[str, str, tuple[tuple[Model, str | None], ...]], ...] = (
-        ("position noise", noise_label, (*both, (Model.VELOCITY, "differentiated noise"))),
-        ("dropout", "chance to miss a neighbour (–)", both),
-        ("delay", "delay of sensing (s)", both),
-        ("vanishing agents", "share of agents that vanish (–)", both),
-        ("stopping agents", "share of agents that stop (–)", both),
+    studies = (
+        ("position noise σ (m)", (*_of_models(Study.POSITION_NOISE, _BOTH), _DIFFERENTIATING)),
+        ("chance to miss a neighbour (–)", _of_models(Study.DROPOUT, _BOTH)),
+        ("delay of sensing (s)", _of_models(Study.DELAY, _BOTH)),
+        ("share of agents that vanish (–)", _of_models(Study.VANISHING, _BOTH)),
+        ("share of agents that stop (–)", _of_models(Study.STOPPING, _BOTH)),
     )
     figure = new_figure(7.2, 4.2)
     panels = figure.subplots(2, 3, sharey=True)
-    for axes, (study, label, curves) in zip(panels.flat, studies, strict=False):
-        for model, other in curves:
-            values, numbers = evidence.study(other or study, model)
-            spread = np.stack([each["gamma_settled"] for each in numbers])
-            if other is None:
-                _spread(axes, values, spread, model.label, _LOOK[model])
-            else:
-                look = {"color": BLACK, "linestyle": (0, (5, 1, 1, 1))}
-                _spread(axes, values, spread, "V-based, velocities from noisy positions", look)
+    for axes, (label, curves) in zip(panels.flat, studies, strict=False):
+        for curve in curves:
+            _spread(axes, evidence, curve, "gamma_settled")
         axes.set_xlabel(label)
-        if study == "position noise":
-            axes.set_xscale("symlog", linthresh=0.01)
-            axes.set_xticks([0, 0.01, 0.1, 0.5], ["0", "0.01", "0.1", "0.5"], minor=False)
-            axes.minorticks_off()
+    noise = panels[0, 0]
+    noise.set_xscale("symlog", linthresh=0.01)
+    noise.set_xticks([0, 0.01, 0.1, 0.5], ["0", "0.01", "0.1", "0.5"], minor=False)
+    noise.minorticks_off()
     for axes in panels[:, 0]:
         axes.set_ylabel("mean γ, t > 20 s (–)")
     panels[1, 2].axis("off")
-    panels[1, 2].legend(*panels[0, 0].get_legend_handles_labels(), loc="center")
+    panels[1, 2].legend(*noise.get_legend_handles_labels(), loc="center")
     return figure
 
 
@@ -304,7 +322,7 @@ def three_dimensions(evidence: Evidence) -> Figure:
     figure = new_figure(3.5, 2.4)
     axes = figure.subplots()
     for variation, measures in evidence.variations:
-        if variation.study == "three dimensions":
+        if variation.study is Study.THREE_DIMENSIONS:
             _curve(axes, measures.times, measures.gamma, variation.scenario.model, single=False)
             axes.set_xlim(0, measures.times[-1])
     axes.set(xlabel="time (s)", ylabel="alignment γ (–)")
@@ -313,36 +331,28 @@ def three_dimensions(evidence: Evidence) -> Figure:
 
 
 def _curve(axes: Axes, times: Floats, values: Floats, model: Model, single: bool) -> None:
-    _line(axes, times, values, single, label=model.label, **_LOOK[model])
+    _line(axes, times, values, single, model.label, _LOOK[model])
 
 
-def _line(
-    axes: Axes,
-    times: Floats,
-    values: Floats,
-    single: bool,
-    *,
-    label: str,
-    color: str,
-    linestyle: Any,
-) -> None:
+def _line(axes: Axes, times: Floats, values: Floats, single: bool, label: str, look: Look) -> None:
     """Draw the first row of (B, T) values, or their median with a band between quartiles."""
     if not single:
         low, middle, high = _quartiles(values)
-        axes.fill_between(times, low, high, color=color, alpha=0.18, linewidth=0)
+        axes.fill_between(times, low, high, color=look.colour, alpha=0.18, linewidth=0)
     axes.plot(
         times,
         values[0] if single else middle,
-        color=color,
-        linestyle=linestyle,
+        color=look.colour,
+        linestyle=look.dash,
         linewidth=1.1,
         label=label,
     )
 
 
-def _spread(axes: Axes, values: Floats, runs: Floats, label: str, look: dict[str, Any]) -> None:
-    """Draw the median of (values, B) runs with bars from quartile to quartile."""
-    low, middle, high = _quartiles(runs.T)
+def _spread(axes: Axes, evidence: Evidence, curve: _Curve, name: str) -> Floats:
+    """Draw the medians of a number with bars from quartile to quartile; return the values."""
+    values, numbers = evidence.study(curve.study, curve.model)
+    low, middle, high = _quartiles(np.stack([each[name] for each in numbers]).T)
     axes.errorbar(
         values,
         middle,
@@ -352,9 +362,11 @@ def _spread(axes: Axes, values: Floats, runs: Floats, label: str, look: dict[str
         linewidth=1.1,
         elinewidth=0.7,
         capsize=2,
-        label=label,
-        **look,
+        label=curve.label,
+        color=curve.look.colour,
+        linestyle=curve.look.dash,
     )
+    return values
 
 
 def _quartiles(runs: Floats) -> Sequence[Floats]:

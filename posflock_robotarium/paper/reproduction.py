@@ -15,8 +15,6 @@ from posflock_robotarium.paper.claims import judge_all
 from posflock_robotarium.paper.evidence import Evidence, gather
 from posflock_robotarium.paper.tables import over_seeds, qualitative, varied
 
-_MARKS: dict[Verdict, str] = {"holds": "✓", "holds weakly": "~", "does not hold": "✗"}
-
 
 @dataclass(frozen=True, eq=False)
 class Reproduction:
@@ -92,22 +90,26 @@ def reproduce(
         progress=progress,
     )
     judgements = judge_all(evidence)
+    for name, text in _texts(evidence, judgements).items():
+        paths.append(folder / name)
+        paths[-1].write_text(text.rstrip("\n") + "\n", encoding="utf-8")
+    paths.extend(draw_all(evidence, folder / "figures"))
+    return Reproduction(evidence, judgements, paths)
+
+
+def _texts(evidence: Evidence, judgements: list[Judgement]) -> dict[str, str]:
+    """Return claims and tables as text, by the name of the file."""
     tables = {
         "table_seeds": over_seeds(evidence),
         "table_qualitative": qualitative(evidence),
         "table_variations": varied(evidence),
     }
-    texts = {
+    return {
         "claims.md": claims_page(judgements, evidence),
         "claims.json": json.dumps([j.as_dict() for j in judgements], indent=2, ensure_ascii=False),
         "tables.md": "\n".join(["# Tables", "", *(table.markdown() for table in tables.values())]),
         **{f"{name}.csv": table.csv() for name, table in tables.items()},
     }
-    for name, text in texts.items():
-        paths.append(folder / name)
-        paths[-1].write_text(text.rstrip("\n") + "\n", encoding="utf-8")
-    paths.extend(draw_all(evidence, folder / "figures"))
-    return Reproduction(evidence, judgements, paths)
 
 
 def claims_page(judgements: list[Judgement], evidence: Evidence) -> str:
@@ -127,7 +129,7 @@ def claims_page(judgements: list[Judgement], evidence: Evidence) -> str:
         "",
         f"{len(judgements)} sentences over seeds {first} to {last} ({len(evidence.seeds)} runs of"
         " each model; variations and robots over half as many): "
-        + ", ".join(f"{counted[verdict]} {mark} {verdict}" for verdict, mark in _MARKS.items())
+        + ", ".join(f"{counted[v]} {v.mark} {v.value}" for v in Verdict)
         + ".  Verdicts are computed from the thresholds stated with each claim.",
         "",
         "| | claim | measured | verdict |",
@@ -136,13 +138,13 @@ def claims_page(judgements: list[Judgement], evidence: Evidence) -> str:
     for judgement in judgements:
         claim = judgement.claim
         lines.append(
-            f"| {_MARKS[judgement.verdict]} | [{claim.id}](#{claim.id}) |"
-            f" {judgement.value:.3g} {claim.unit} | {judgement.verdict} |"
+            f"| {judgement.verdict.mark} | [{claim.id}](#{claim.id}) |"
+            f" {judgement.value:.3g} {claim.unit} | {judgement.verdict.value} |"
         )
     for judgement in judgements:
         claim = judgement.claim
         lines += ["", f"## {claim.id}", "", f"> {claim.claim}", "", f"**Test:** {claim.test}."]
-        lines += ["", f"**{judgement.verdict.capitalize()}.** {judgement.reason}"]
+        lines += ["", f"**{judgement.verdict.value.capitalize()}.** {judgement.reason}"]
     return "\n".join(lines)
 
 

@@ -90,9 +90,27 @@ class Noise:
         return seen
 
 
-def drive(
-    seed: int, *, imperfect: bool, duration: float = DURATION
-) -> tuple[Run, Summary, Floats, Floats]:
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """One run of the experiment.
+
+    Attributes
+    ----------
+    log : Run
+        With true poses.
+    summary : Summary
+        Of the true poses.
+    gamma_headings, gamma_motion : (T,) array
+        γ over time.
+    """
+
+    log: Run
+    summary: Summary
+    gamma_headings: Floats
+    gamma_motion: Floats
+
+
+def drive(seed: int, *, imperfect: bool, duration: float = DURATION) -> Drive:
     """Run the experiment once.
 
     Parameters
@@ -103,15 +121,6 @@ def drive(
         Whether the arena is noisy.
     duration : float
         Seconds.
-
-    Returns
-    -------
-    log : Run
-        With true poses.
-    summary : Summary
-        Of the true poses.
-    gamma_headings, gamma_motion : (T,) array
-        γ over time.
     """
     start = random_poses(
         ROBOTS, np.random.default_rng(seed), side=START_SIDE, spacing=START_SPACING
@@ -121,4 +130,4 @@ def drive(
     log = trial.truth()
     analysis = analyse(log)
     curves = analysis.curves
-    return log, summary_of(analysis), curves["gamma_headings"], curves["gamma_motion"]
+    return Drive(log, summary_of(analysis), curves["gamma_headings"], curves["gamma_motion"])

@@ -158,7 +158,8 @@ def varied(evidence: Evidence) -> Table:
     rows = []
     for variation, measures in evidence.variations:
         numbers = summarise(measures)
-        name = f"{variation.study}" + (f" ({variation.unit})" if variation.unit else "")
+        study = variation.study
+        name = study.title + (f" ({study.unit})" if study.unit else "")
         cells = [_median_and_quartiles(numbers[key]) for key in keys]
         rows.append([name, f"{variation.value:g}", variation.scenario.model.label, *cells])
     return Table(

@@ -82,12 +82,6 @@ def simulate(
             row[name] = value
         arena.commands = decision.command
         arena.step()
-    description: dict[str, Any] = flock.parameters() | {
-        "seed": seed,
-        "simulated": True,
-        "robot": asdict(arena.robot),
-        "ended": {"how": How.FINISHED.value, "reason": "", "rows": steps},
-    }
     log = Run(
         name="flock",
         t=rows["t"],
@@ -96,6 +90,16 @@ def simulate(
         status=rows["status"],
         intervention=rows["intervention"],
         clearance=rows["clearance"],
-        parameters=description,
+        parameters=_described(flock, arena, steps, seed),
     )
     return Trial(log, true_poses)
+
+
+def _described(flock: Flock, arena: Arena, steps: int, seed: int) -> dict[str, Any]:
+    """Return what a pose log would say of the run in its JSON."""
+    return flock.parameters() | {
+        "seed": seed,
+        "simulated": True,
+        "robot": asdict(arena.robot),
+        "ended": {"how": How.FINISHED.value, "reason": "", "rows": steps},
+    }

@@ -21,6 +21,7 @@ import ast
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from posflock_robotarium.flocking.errors import OutputError
 from posflock_robotarium.submission.instructions import INSTRUCTIONS, instructions
@@ -85,6 +86,18 @@ class Bundle:
     def manifest(self) -> Manifest:
         """What is to be uploaded, and how it is to be run."""
         return Manifest.of(self.files, self.main, self.robots, self.duration)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return plain data, ready for JSON: of each file its bytes."""
+        return {
+            "folder": str(self.folder),
+            "main": self.main,
+            "files": {name: len(content) for name, content in sorted(self.files.items())},
+            "left_out": self.left_out,
+            "robots": self.robots,
+            "duration": self.duration,
+            "warnings": list(self.warnings),
+        }
 
 
 def bundle(

@@ -58,11 +58,8 @@ def build_environment(
         Is told when one is being built, which takes a minute.
     """
     wanted = {IMPORT_NAMES[name] for name in libraries if name in IMPORT_NAMES}
-    pins = [
-        f"{name}=={version}" if version else name
-        for name, version in LIBRARIES.items()
-        if name in wanted or name in _BASE
-    ]
+    pinned = {n: version for n, version in LIBRARIES.items() if n in wanted or n in _BASE}
+    pins = [f"{name}=={version}" if version else name for name, version in pinned.items()]
     base, note = _nearest_python()
     key = hashlib.sha256("\n".join([str(base), *pins]).encode()).hexdigest()[:16]
     folder = cache_folder() / f"testbed-{key}"
@@ -74,7 +71,7 @@ def build_environment(
     program = (
         "import json, platform; from importlib.metadata import version;"
         f"print(json.dumps([platform.python_version(), {{n: version(n) for n in"
-        f" {[pin.partition('==')[0] for pin in pins]!r}}}]))"
+        f" {list(pinned)!r}}}]))"
     )
     version, installed = json.loads(
         subprocess.run(

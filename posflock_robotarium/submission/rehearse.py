@@ -21,7 +21,7 @@ import tempfile
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from posflock_robotarium.flocking.errors import OutputError, ParameterError
 from posflock_robotarium.submission.environment import (
@@ -41,6 +41,9 @@ from rps_compat import testbed
 from rps_compat.running.outcome import Ended, Outcome
 from rps_compat.running.plan import RunPlan
 from rps_compat.scripts import import_graph
+
+if TYPE_CHECKING:
+    from rps_compat.realism import Profile
 
 #: What the testbed calls the main file.
 _MAIN = "main.py"
@@ -123,7 +126,7 @@ def rehearse(
     out: Path | str,
     *,
     duration: float = testbed.MAX_DURATION,
-    profile: Any = "gritsbot_x",
+    profile: Profile | str | Path = "gritsbot_x",
     seed: int = 0,
     generation: int = 2,
     initial: str = "arrive",
@@ -170,20 +173,7 @@ def rehearse(
     """
     _refuse_outside_ranges(duration, timeout, initial, generation)
     folder, out = Path(folder), Path(out)
-    plan = RunPlan(
-        script=_MAIN,
-        folder="",  # made below
-        generation=1 if generation == 1 else 2,
-        initial=initial,  # type: ignore[arg-type]  # checked above
-        seed=seed,
-        profile=_table(profile),
-        wait=False,
-        keeps_apart=False,
-        forbidden=("network",),
-        forbidden_to_libraries=True,
-        longest=duration,
-        kills_deaf=True,
-    )
+    plan = _plan(duration, profile, seed, generation, initial)
     manifest = check_manifest(folder)
     _empty(out)
     libraries = import_graph.trace(folder / manifest.main).libraries
@@ -206,13 +196,28 @@ def _refuse_outside_ranges(duration: float, timeout: float, initial: str, genera
         raise ParameterError(f"generation: expected 1 or 2, got {generation}")
 
 
-def _table(profile: Any) -> dict[str, Any] | None:
-    """Return a profile, which may be given by its name or file, as a plan has it."""
+def _plan(
+    duration: float, profile: Profile | str | Path, seed: int, generation: int, initial: str
+) -> RunPlan:
+    """Return how the main file is run, its folder still to be made."""
     from rps_compat.profiles import load_profile, profile_to_dict
     from rps_compat.realism import Profile
 
     chosen = profile if isinstance(profile, Profile) else load_profile(profile)
-    return profile_to_dict(chosen) if chosen.effects else None
+    return RunPlan(
+        script=_MAIN,
+        folder="",
+        generation=1 if generation == 1 else 2,
+        initial=initial,  # type: ignore[arg-type]  # checked above
+        seed=seed,
+        profile=profile_to_dict(chosen) if chosen.effects else None,
+        wait=False,
+        keeps_apart=False,
+        forbidden=("network",),
+        forbidden_to_libraries=True,
+        longest=duration,
+        kills_deaf=True,
+    )
 
 
 def _rehearsed(
@@ -232,26 +237,38 @@ def _rehearsed(
             shutil.copyfile(folder / name, scratch / (_MAIN if name == manifest.main else name))
         lay_simulator(room / _SIMULATOR)
         plan = replace(plan, folder=os.path.realpath(scratch))
-        said, network, end = _run(environment, plan, room, timeout)
+        end = _run(environment, plan, room, timeout)
         uploaded = set(manifest.files) - {manifest.main} | {_MAIN}
-        back = bring_back(scratch, out, uploaded, said)
+        back = bring_back(scratch, out, uploaded, end.said)
         outcome = _read_outcome(room / _OUTCOME, plan, end)
     files = {name: describe_file(out / name) for name in back if name != "log.txt"}
-    return Rehearsal(outcome, out, files, environment, network)
+    return Rehearsal(outcome, out, files, environment, end.network)
 
 
 @dataclass(frozen=True)
 class _End:
-    """How the process of a rehearsal ended: its code, and whether its time was over."""
+    """How the process of a rehearsal ended.
+
+    Attributes
+    ----------
+    code : int
+        Its exit code; below 0 where a signal ended it.
+    timed_out : bool
+        Whether its time was over.
+    said : str
+        What it printed.
+    network : str
+        How the network was kept away, in words.
+    """
 
     code: int
     timed_out: bool
+    said: str
+    network: str
 
 
-def _run(
-    environment: Environment, plan: RunPlan, room: Path, timeout: float
-) -> tuple[str, str, _End]:
-    """Run the plan; return what was said, how the network was kept away, and the end."""
+def _run(environment: Environment, plan: RunPlan, room: Path, timeout: float) -> _End:
+    """Run the plan in a process of its own, and end that with all that it started."""
     launcher = Path(__file__).with_name("rehearsal_launcher.py")
     order = {
         "simulator": str(room / _SIMULATOR),
@@ -297,7 +314,7 @@ def _run(
             with contextlib.suppress(ProcessLookupError, PermissionError):
                 os.killpg(process.pid, signal.SIGKILL)
     text = (room / "said.txt").read_text(encoding="utf-8", errors="replace")
-    return text, network, _End(process.returncode, timed_out)
+    return _End(process.returncode, timed_out, text, network)
 
 
 def _can_unshare() -> bool:

@@ -70,7 +70,7 @@ def describe_file(path: Path) -> ReturnedFile:
     """
     from posflock_robotarium.flocking.errors import LogError
     from posflock_robotarium.logs.readers import read_pose_log
-    from posflock_robotarium.verify.trials import read_back
+    from posflock_robotarium.verify.data_files import read_back
 
     if path.suffix == ".npy":
         try:

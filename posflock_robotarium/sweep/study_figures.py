@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from posflock_robotarium.figures.look import Look
 from posflock_robotarium.figures.style import BLACK, BLUE, GREEN, ORANGE, in_style, new_figure, save
 from posflock_robotarium.sweep.results import interval, outcomes
 from posflock_robotarium.sweep.store import Row
@@ -19,11 +20,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_LOOKS: tuple[dict[str, Any], ...] = (
-    {"color": BLUE, "linestyle": (0, (4, 1.5)), "marker": "s"},
-    {"color": ORANGE, "linestyle": "-", "marker": "o"},
-    {"color": GREEN, "linestyle": (0, (1, 1)), "marker": "^"},
-    {"color": BLACK, "linestyle": (0, (5, 1, 1, 1)), "marker": "D"},
+_LOOKS = (
+    Look(BLUE, (0, (4, 1.5)), "s"),
+    Look(ORANGE, "-", "o"),
+    Look(GREEN, (0, (1, 1)), "^"),
+    Look(BLACK, (0, (5, 1, 1, 1)), "D"),
 )
 
 #: Units of parameters and outcomes, for the axes; what is missing has none.
@@ -138,7 +139,7 @@ def _medians(
     rows: Sequence[Row],
     asked: Asked,
     label: str | None,
-    look: dict[str, Any],
+    look: Look,
 ) -> None:
     runs = [np.array([r[asked.y] for r in rows if r[asked.x] == x], dtype=float) for x in values]
     middle = np.array([np.median(run) for run in runs])
@@ -156,7 +157,9 @@ def _medians(
         elinewidth=0.8,
         capsize=2,
         label=label,
-        **(look if numeric else look | {"linestyle": ""}),
+        color=look.colour,
+        linestyle=look.dash if numeric else "",
+        marker=look.marker,
     )
     if not numeric:
         axes.set_xticks(places, [_tick(x) for x in values])
@@ -165,11 +168,20 @@ def _medians(
 
 
 def _every_run(
-    axes: Axes, rows: Sequence[Row], asked: Asked, label: str | None, look: dict[str, Any]
+    axes: Axes, rows: Sequence[Row], asked: Asked, label: str | None, look: Look
 ) -> None:
     points = np.array([(row[asked.x], row[asked.y]) for row in rows], dtype=float)
     x, y = points[np.isfinite(points).all(axis=1)].T
-    axes.plot(x, y, alpha=0.7, markersize=3, label=label, **(look | {"linestyle": ""}))
+    axes.plot(
+        x,
+        y,
+        alpha=0.7,
+        markersize=3,
+        label=label,
+        color=look.colour,
+        linestyle="",
+        marker=look.marker,
+    )
 
 
 def _default_figures(study: Study) -> list[Asked]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.verify import static
+from posflock_robotarium.verify.findings import Code
 from rps_compat.running.outcome import Ended
 from rps_compat.scripts.evidence import evidence_of
 
@@ -30,8 +31,8 @@ class Ablation:
         Its name; ``all`` for the whole profile.
     trials, collisions, outside, failed : int
         Runs; how many had a collision, left the arena, ended badly.
-    gap : float
-        Smallest distance of two centres in any of them, m.
+    gap : float, optional
+        Smallest distance of two centres in any of them, m; None where none has one.
     """
 
     effect: str
@@ -39,7 +40,7 @@ class Ablation:
     collisions: int
     outside: int
     failed: int
-    gap: float
+    gap: float | None
 
 
 def ablate(
@@ -109,10 +110,10 @@ def ablate(
             Ablation(
                 name,
                 len(own),
-                sum(bool(o.faults("collision")) for o in own),
-                sum(bool(o.faults("boundary")) for o in own),
+                sum(bool(o.faults(Code.COLLISION)) for o in own),
+                sum(bool(o.faults(Code.BOUNDARY)) for o in own),
                 sum(o.ended not in (Ended.FINISHED, Ended.OVER_TIME) for o in own),
-                min((o.smallest_gap.metres for o in own if o.smallest_gap), default=float("nan")),
+                min((o.smallest_gap.metres for o in own if o.smallest_gap), default=None),
             )
         )
     return out

@@ -5,7 +5,12 @@ from __future__ import annotations
 import ast
 import operator
 from pathlib import PurePosixPath
-from typing import Any
+from types import EllipsisType
+
+Constant = int | float | complex | str | bytes | EllipsisType | PurePosixPath
+"""What can be read off: a Python constant, or a path."""
+Names = dict[str, Constant]
+"""What names are bound to, for good."""
 
 #: What stands for ``__file__``.
 SCRIPT = PurePosixPath("__file__")
@@ -19,7 +24,7 @@ _OPERATORS = {
 }
 
 
-def constants_of(tree: ast.Module) -> dict[str, Any]:
+def constants_of(tree: ast.Module) -> Names:
     """Return every name that is bound exactly once, to a value that can be read off.
 
     Parameters
@@ -42,19 +47,19 @@ def constants_of(tree: ast.Module) -> dict[str, Any]:
             bound.setdefault(node.id, [])
             if not _is_plain_target(tree, node):
                 bound[node.id].append(None)
-    known: dict[str, Any] = {}
+    known: Names = {}
     while True:
         before = len(known)
         for name, values in bound.items():
             if name not in known and len(values) == 1 and values[0] is not None:
-                value = constant(values[0], known)
-                if value is not None:
-                    known[name] = value
+                found = constant(values[0], known)
+                if found is not None:
+                    known[name] = found
         if len(known) == before:
             return known
 
 
-def constant(node: ast.expr, names: dict[str, Any]) -> Any:
+def constant(node: ast.expr, names: Names) -> Constant | None:
     """Return the value of an expression of constants and known names, or None.
 
     Parameters
@@ -65,7 +70,7 @@ def constant(node: ast.expr, names: dict[str, Any]) -> Any:
         Known names and their values, as `constants_of` gives them.
     """
     if isinstance(node, ast.Constant):
-        return node.value
+        return node.value  # None, too, which is no more than unknown
     if isinstance(node, ast.Name):
         return SCRIPT if node.id == "__file__" else names.get(node.id)
     if isinstance(node, ast.Attribute) and node.attr == "parent":
@@ -79,9 +84,10 @@ def constant(node: ast.expr, names: dict[str, Any]) -> Any:
         if left is None or right is None or apply is None:
             return None
         try:
-            return apply(left, right)
+            result: Constant = apply(left, right)
         except (TypeError, ValueError, ArithmeticError):
             return None
+        return result
     if isinstance(node, ast.JoinedStr):
         parts = [
             constant(part.value, names)
@@ -95,7 +101,7 @@ def constant(node: ast.expr, names: dict[str, Any]) -> Any:
     return None
 
 
-def _path(call: ast.Call, names: dict[str, Any]) -> Any:
+def _path(call: ast.Call, names: Names) -> PurePosixPath | None:
     """``Path("a", "b")``, ``os.path.join("a", "b")``, and ways to the folder of the script."""
     func = call.func
     name = func.attr if isinstance(func, ast.Attribute) else getattr(func, "id", "")
@@ -108,14 +114,15 @@ def _path(call: ast.Call, names: dict[str, Any]) -> Any:
         arguments.insert(0, func.value)
     elif name not in ("Path", "PurePath", "join", "dirname", "abspath", "realpath", "str"):
         return None
-    parts = [constant(argument, names) for argument in arguments]
-    if not parts or not all(isinstance(part, (str, PurePosixPath)) for part in parts):
+    found = [constant(argument, names) for argument in arguments]
+    parts = [part for part in found if isinstance(part, (str, PurePosixPath))]
+    if not parts or len(parts) < len(found):
         return None
     path = PurePosixPath(*parts)
     return _parent(path) if name == "dirname" else path
 
 
-def _parent(path: Any) -> PurePosixPath | None:
+def _parent(path: Constant | None) -> PurePosixPath | None:
     """Return the folder of a path; the working folder is the script's own."""
     if not isinstance(path, PurePosixPath):
         return None

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
+from dataclasses import dataclass
 
-from posflock_robotarium.verify.findings import Finding, Verdict, wilson_interval
+from posflock_robotarium.verify.findings import Code, Finding, Verdict, wilson_interval
 from posflock_robotarium.verify.trials import Ran
 from rps_compat import testbed
 from rps_compat.running.outcome import Ended, Failure, Outcome
@@ -54,14 +54,14 @@ def judge_end(
         Whether the source shows that the script counts its steps.
     """
     if ideal.ended in FATAL:
-        finding = _ending(ideal, Verdict.FAIL)
-        waits = ideal.ended is Ended.HUNG and any(f.code == "blocking-call" for f in known)
+        finding = _ending(_End(ideal, Verdict.FAIL))
+        waits = ideal.ended is Ended.HUNG and any(f.code is Code.BLOCKING_CALL for f in known)
         if finding and not waits and not is_explained(ideal.error, known):
             yield finding
         return
     if ideal.ended is Ended.OVER_TIME and not counted:
         yield Finding(
-            "endless",
+            Code.ENDLESS,
             Verdict.RISK,
             f"was still running after {ideal.time or 0.0:.0f} s and had to be interrupted",
             "end the loop after a number of steps",
@@ -69,77 +69,117 @@ def judge_end(
         )
     failed = [outcome for outcome in trials if outcome.ended in FATAL]
     if failed:
-        finding = _ending(failed[0], Verdict.RISK, (len(failed), len(trials)))
+        finding = _ending(_End(failed[0], Verdict.RISK, (len(failed), len(trials))))
         if finding:
             yield finding
 
 
-def _ending(
-    outcome: Outcome, verdict: Verdict, trials: tuple[int, int] | None = None
-) -> Finding | None:
-    error = outcome.error or Failure()
+@dataclass(frozen=True)
+class _End:
+    """How a run ended badly, and in how many of how many trials, where it was one of them."""
+
+    outcome: Outcome
+    verdict: Verdict
+    trials: tuple[int, int] | None = None
+
+    @property
+    def error(self) -> Failure:
+        """The error that ended it, which may be none."""
+        return self.outcome.error or Failure()
+
+    def finding(
+        self, code: Code, message: str, advice: str, verdict: Verdict | None = None
+    ) -> Finding:
+        """Return the finding, with the place and time of this end."""
+        outcome, error = self.outcome, self.error
+        return Finding(
+            code,
+            self.verdict if verdict is None else verdict,
+            message,
+            advice,
+            line=error.line,
+            file=error.file,
+            time=outcome.time if outcome.steps else None,
+            trials=self.trials,
+            interval=wilson_interval(*self.trials) if self.trials else None,
+        )
+
+
+def _ending(end: _End) -> Finding | None:
+    outcome, error = end.outcome, end.error
     if "ForbiddenError" in error.kinds:
         return None  # the violation is told of
     what = str(error)
-    settings: dict[str, Any] = {
-        "line": error.line,
-        "file": error.file,
-        "time": outcome.time if outcome.steps else None,
-        "trials": trials,
-        "interval": wilson_interval(*trials) if trials else None,
-    }
     if outcome.ended is Ended.HUNG:
         message = f"made no step after t = {outcome.time or 0.0:.1f} s and had to be killed"
-        advice = "look for an endless loop, or for a wait, at this line"
-        return Finding("hang", verdict, message, advice, **settings)
+        return end.finding(
+            Code.HANG, message, "look for an endless loop, or for a wait, at this line"
+        )
     if outcome.ended is Ended.OUT_OF_MEMORY:
         message = f"needs more memory than the limit ({what})"
-        return Finding("memory", verdict, message, "use smaller arrays", **settings)
+        return end.finding(Code.MEMORY, message, "use smaller arrays")
     if outcome.left_with_code:
         message = f"ends with exit code {error.message or 'not 0'}"
-        return Finding("exit-code", verdict, message, "let it end with 0", **settings)
+        return end.finding(Code.EXIT_CODE, message, "let it end with 0")
     if "InitialConditionsError" in error.kinds:
         advice = "place the robots inside the arena, at least 0.15 m apart"
-        return Finding("unreachable-start", verdict, what, advice, **settings)
+        return end.finding(Code.UNREACHABLE_START, what, advice)
     if "WrongGenerationError" in error.kinds:
-        return Finding("generation", verdict, what, "use the name it gives", **settings)
-    return _failed(outcome, error, verdict, settings)
+        return end.finding(Code.GENERATION, what, "use the name it gives")
+    return _failed(end)
 
 
-def _failed(
-    outcome: Outcome, error: Failure, verdict: Verdict, settings: dict[str, Any]
-) -> Finding:
+def _failed(end: _End) -> Finding:
     """Tell of an exception, or of a process that died."""
-    what = str(error)
+    error, what = end.error, str(end.error)
     module = error.module or "."
     if libraries.is_available(module):  # that is, only this machine lacks it
         distribution = libraries.IMPORT_NAMES.get(module)
-        return Finding(
-            "internal",
-            Verdict.RISK,
+        return end.finding(
+            Code.INTERNAL,
             f"could not be run: the testbed has {module}, but the Python that verifies has not",
             f"`pip install {distribution}` and verify again"
             if distribution
             else "verify again under Python 3.10",
-            **settings,
+            Verdict.RISK,
         )
     missing = error.missing
     if missing:
-        ending = not missing.lower().endswith(tuple(testbed.ENDINGS))
-        return Finding(
-            "file-ending" if ending else "file-missing",
-            verdict,
-            f"reads {missing}, which "
-            + ("has an ending that cannot be uploaded" if ending else "is not beside the script"),
-            f"use one of {' '.join(testbed.ENDINGS)}" if ending else "put it beside the script",
-            **settings,
-        )
+        if not missing.lower().endswith(tuple(testbed.ENDINGS)):
+            message = f"reads {missing}, which has an ending that cannot be uploaded"
+            advice = f"use one of {' '.join(testbed.ENDINGS)}"
+            return end.finding(Code.FILE_ENDING, message, advice)
+        message = f"reads {missing}, which is not beside the script"
+        return end.finding(Code.FILE_MISSING, message, "put it beside the script")
     newer = newer_library(error.type, error.message)
     if newer:  # that is, only this machine refuses it
-        return Finding("internal", Verdict.RISK, f"could not be run: {newer}", REHEARSE, **settings)
-    if outcome.ended is Ended.DIED:
-        return Finding("crash", verdict, what, "look at the end of its output", **settings)
-    return Finding("crash", verdict, f"ends with {what}", "mend this line", **settings)
+        return end.finding(Code.INTERNAL, f"could not be run: {newer}", REHEARSE, Verdict.RISK)
+    if end.outcome.ended is Ended.DIED:
+        return end.finding(Code.CRASH, what, "look at the end of its output")
+    return end.finding(Code.CRASH, f"ends with {what}", "mend this line")
+
+
+@dataclass(frozen=True)
+class _Policy:
+    """What a script must not do, what to do instead, how bad it is, and whether it was stopped."""
+
+    words: str
+    advice: str
+    verdict: Verdict = Verdict.FAIL
+    stopped: bool = True
+
+
+_POLICIES = {
+    Code.OUTSIDE_WRITE: _Policy(
+        "writes outside its own folder",
+        "write into the working folder: only those files come back",
+    ),
+    Code.FORK: _Policy("starts or ends other processes", "do the work in one process"),
+    Code.NETWORK: _Policy("uses the network", "upload what it needs as files", Verdict.RISK),
+    Code.BLOCKING_CALL: _Policy(
+        "waits for somebody, and on the testbed nobody is there", "remove it", stopped=False
+    ),
+}
 
 
 def judge_policy(runs: Sequence[Ran], known: Sequence[Finding]) -> Iterator[Finding]:
@@ -152,31 +192,20 @@ def judge_policy(runs: Sequence[Ran], known: Sequence[Finding]) -> Iterator[Find
     known : sequence of Finding
         What the source has told already.
     """
-    advice = {
-        "outside-write": "write into the working folder: only those files come back",
-        "fork": "do the work in one process",
-        "network": "upload what it needs as files",
-        "blocking-call": "remove it",
-    }
     told = {finding.code for finding in known}
-    words = {
-        "outside-write": "writes outside its own folder",
-        "fork": "starts or ends other processes",
-        "network": "uses the network",
-        "blocking-call": "waits for somebody, and on the testbed nobody is there",
-    }
     for run in runs:
         for violation in run.outcome.policy_violations:
-            kind = violation.kind
-            if kind in told:
+            code = Code(violation.kind)
+            if code in told:
                 continue
-            told.add(kind)
+            told.add(code)
+            policy = _POLICIES[code]
             yield Finding(
-                kind,
-                Verdict.RISK if kind == "network" else Verdict.FAIL,
-                f"{words[kind]} ({violation.what[:120]})"
-                + ("; it was stopped" if kind != "blocking-call" else ""),
-                advice[kind],
+                code,
+                policy.verdict,
+                f"{policy.words} ({violation.what[:120]})"
+                + ("; it was stopped" if policy.stopped else ""),
+                policy.advice,
                 line=violation.line,
                 file=violation.file,
                 time=violation.time or None,

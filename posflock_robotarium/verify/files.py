@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import PurePath
 
 from posflock_robotarium.verify.constants import SCRIPT, constant
-from posflock_robotarium.verify.findings import Finding, Verdict
+from posflock_robotarium.verify.findings import Code, Finding, Verdict
 from posflock_robotarium.verify.source import Source
 from rps_compat import testbed
 
@@ -65,7 +65,7 @@ def check_files(source: Source) -> Iterator[Finding]:
         pure = PurePath(path)
         if pure.is_absolute() or len(pure.parts) > 1:
             yield Finding(
-                "file-in-folder",
+                Code.FILE_IN_FOLDER,
                 Verdict.FAIL,
                 f"reads {path}, but uploads are flat: there are no folders beside the script",
                 f"put {pure.name} beside the script and read {pure.name!r}",
@@ -73,7 +73,7 @@ def check_files(source: Source) -> Iterator[Finding]:
             )
         elif pure.suffix.lower() not in testbed.ENDINGS:
             yield Finding(
-                "file-ending",
+                Code.FILE_ENDING,
                 Verdict.FAIL,
                 f"reads {path}, but files that end in {pure.suffix or 'nothing'} cannot be"
                 " uploaded",
@@ -82,7 +82,7 @@ def check_files(source: Source) -> Iterator[Finding]:
             )
         elif not (source.path.parent / path).is_file():
             yield Finding(
-                "file-missing",
+                Code.FILE_MISSING,
                 Verdict.FAIL,
                 f"reads {path}, which is not beside the script",
                 f"put {path} into {source.path.resolve().parent}",
@@ -216,7 +216,7 @@ def _prepared_for_absence(tree: ast.Module) -> set[ast.AST]:
             and any(catches(handler, _NO_FILE) for handler in node.handlers)
         ) or (
             isinstance(node, ast.With)
-            and any("suppress(" in ast.unparse(item) for item in node.items)
+            and any(_suppresses(item.context_expr) for item in node.items)
         ):
             bodies = list(node.body)
         for body in bodies:
@@ -224,11 +224,19 @@ def _prepared_for_absence(tree: ast.Module) -> set[ast.AST]:
     return found
 
 
+def _suppresses(manager: ast.expr) -> bool:
+    """Whether a block is ``contextlib.suppress(…)``, however it was imported."""
+    return isinstance(manager, ast.Call) and _last_name(manager.func) == "suppress"
+
+
+def _last_name(function: ast.expr) -> str:
+    """Return the name by which a function is called, without what is before the dot."""
+    return str(getattr(function, "attr", getattr(function, "id", "")))
+
+
 def _asks_for_a_file(test: ast.expr) -> bool:
     return any(
-        isinstance(node, ast.Call)
-        and getattr(node.func, "attr", getattr(node.func, "id", ""))
-        in ("exists", "is_file", "isfile")
+        isinstance(node, ast.Call) and _last_name(node.func) in ("exists", "is_file", "isfile")
         for node in ast.walk(test)
     )
 

@@ -2,7 +2,7 @@
 
 A :class:`Finding` says what is wrong, where (a line of the source, or a time, robots and a
 figure of a run), how bad that is, and what to do about it.  Its ``code`` is stable, for programs;
-:data:`CODES` lists them all.
+:class:`Code` lists them all.
 """
 
 from __future__ import annotations
@@ -25,50 +25,71 @@ class Verdict(enum.IntEnum):
     FAIL = 3
 
 
-#: Every code, and what it is about.
-CODES = {
+class Code(str, enum.Enum):
+    """What a finding is about: a name that stays, for programs, and the same in words."""
+
+    about: str
+
+    def __new__(cls, name: str, about: str = "") -> Code:
+        """Make a code of its name and of what it is about; `Code(name)` finds it again."""
+        code = str.__new__(cls, name)
+        code._value_ = name
+        code.about = about
+        return code
+
+    def __str__(self) -> str:
+        return str(self.value)
+
     # Seen in the source.
-    "syntax": "not valid Python",
-    "newer-python": "syntax or a library feature newer than the testbed's Python 3.10",
-    "removed-from-numpy": "a name that the testbed's numpy no longer has",
-    "removed-from-library": "a name that the testbed's version of a library or Python dropped",
-    "newer-library": "a name that came to a library after the testbed's version",
-    "removed-later": "a name that the testbed has and newer versions of a library have not",
-    "library-absent": "imports a library that the testbed has not",
-    "module-missing": "imports a file that is not there",
-    "local-module": "imports a file that must be uploaded too",
-    "stand-in": "imports the local stand-in for the simulator",
-    "shadowed-name": "a file hides a module of Python or of the testbed",
-    "generation": "uses names of another generation of the API",
-    "too-many-robots": "asks for more robots than there are",
-    "blocking-call": "waits for somebody",
-    "slow-sleep": "sleeps longer than a time step in its loop",
-    "no-finishing-call": "never calls debug() or call_at_scripts_end()",
-    "save-at-end": "saves data only after its loop",
-    "file-missing": "reads a file that is not there",
-    "file-ending": "reads a file whose ending may not be uploaded",
-    "file-in-folder": "reads a file from a folder, but uploads are flat",
+    SYNTAX = "syntax", "not valid Python"
+    NEWER_PYTHON = (
+        "newer-python",
+        "syntax or a library feature newer than the testbed's Python 3.10",
+    )
+    REMOVED_FROM_NUMPY = "removed-from-numpy", "a name that the testbed's numpy no longer has"
+    REMOVED_FROM_LIBRARY = (
+        "removed-from-library",
+        "a name that the testbed's version of a library or Python dropped",
+    )
+    NEWER_LIBRARY = "newer-library", "a name that came to a library after the testbed's version"
+    REMOVED_LATER = (
+        "removed-later",
+        "a name that the testbed has and newer versions of a library have not",
+    )
+    LIBRARY_ABSENT = "library-absent", "imports a library that the testbed has not"
+    MODULE_MISSING = "module-missing", "imports a file that is not there"
+    LOCAL_MODULE = "local-module", "imports a file that must be uploaded too"
+    STAND_IN = "stand-in", "imports the local stand-in for the simulator"
+    SHADOWED_NAME = "shadowed-name", "a file hides a module of Python or of the testbed"
+    GENERATION = "generation", "uses names of another generation of the API"
+    TOO_MANY_ROBOTS = "too-many-robots", "asks for more robots than there are"
+    BLOCKING_CALL = "blocking-call", "waits for somebody"
+    SLOW_SLEEP = "slow-sleep", "sleeps longer than a time step in its loop"
+    NO_FINISHING_CALL = "no-finishing-call", "never calls debug() or call_at_scripts_end()"
+    SAVE_AT_END = "save-at-end", "saves data only after its loop"
+    FILE_MISSING = "file-missing", "reads a file that is not there"
+    FILE_ENDING = "file-ending", "reads a file whose ending may not be uploaded"
+    FILE_IN_FOLDER = "file-in-folder", "reads a file from a folder, but uploads are flat"
     # Seen in runs.
-    "crash": "ends with an error",
-    "exit-code": "ends with an exit code that says failure",
-    "no-step": "never drives a robot",
-    "collision": "robots come too close",
-    "boundary": "robots leave the arena",
-    "actuator": "commands exceed the wheels' limit",
-    "close-start": "initial conditions closer than two robots may stand",
-    "unreachable-start": "initial conditions that cannot be driven to",
-    "slow-loop": "its loop is slower than a time step",
-    "watchdog": "leaves robots without a command so long that they brake",
-    "duration": "takes longer than declared, or than any run may",
-    "endless": "does not end by itself",
-    "data-lost": "loses data when it is interrupted",
-    "hang": "stops stepping",
-    "fork": "starts other processes",
-    "memory": "needs more memory than allowed",
-    "outside-write": "writes outside its own folder",
-    "network": "uses the network",
-    "internal": "the verifier itself could not do something",
-}
+    CRASH = "crash", "ends with an error"
+    EXIT_CODE = "exit-code", "ends with an exit code that says failure"
+    NO_STEP = "no-step", "never drives a robot"
+    COLLISION = "collision", "robots come too close"
+    BOUNDARY = "boundary", "robots leave the arena"
+    ACTUATOR = "actuator", "commands exceed the wheels' limit"
+    CLOSE_START = "close-start", "initial conditions closer than two robots may stand"
+    UNREACHABLE_START = "unreachable-start", "initial conditions that cannot be driven to"
+    SLOW_LOOP = "slow-loop", "its loop is slower than a time step"
+    WATCHDOG = "watchdog", "leaves robots without a command so long that they brake"
+    DURATION = "duration", "takes longer than declared, or than any run may"
+    ENDLESS = "endless", "does not end by itself"
+    DATA_LOST = "data-lost", "loses data when it is interrupted"
+    HANG = "hang", "stops stepping"
+    FORK = "fork", "starts other processes"
+    MEMORY = "memory", "needs more memory than allowed"
+    OUTSIDE_WRITE = "outside-write", "writes outside its own folder"
+    NETWORK = "network", "uses the network"
+    INTERNAL = "internal", "the verifier itself could not do something"
 
 
 @dataclass(frozen=True)
@@ -77,8 +98,8 @@ class Finding:
 
     Attributes
     ----------
-    code : str
-        A key of :data:`CODES`.
+    code : Code
+        What it is about.
     verdict : Verdict
         How bad.
     message : str
@@ -108,7 +129,7 @@ class Finding:
         Where `code` is not a key of :data:`CODES`.
     """
 
-    code: str
+    code: Code
     verdict: Verdict
     message: str
     advice: str = ""
@@ -120,10 +141,6 @@ class Finding:
     unit: str = ""
     trials: tuple[int, int] | None = None
     interval: tuple[float, float] | None = None
-
-    def __post_init__(self) -> None:
-        if self.code not in CODES:
-            raise ValueError(f"unknown code {self.code!r}")
 
     @property
     def where(self) -> str:
@@ -145,7 +162,7 @@ class Finding:
     def as_dict(self) -> dict[str, Any]:
         """Return what ``verify.json`` holds of it."""
         return {
-            "code": self.code,
+            "code": self.code.value,
             "verdict": self.verdict.name,
             "message": self.message,
             "advice": self.advice,
@@ -230,7 +247,7 @@ def too_many_robots(number: float, line: int | None = None) -> Finding:
         Of the source, where it shows the number.
     """
     return Finding(
-        "too-many-robots",
+        Code.TOO_MANY_ROBOTS,
         Verdict.FAIL,
         f"asks for {number} robots; the testbed has {testbed.MAX_ROBOTS}, though the simulator"
         " takes 50",

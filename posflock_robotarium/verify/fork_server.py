@@ -23,8 +23,9 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
+from posflock_robotarium.verify.findings import Code
+from posflock_robotarium.verify.request import Request
 from posflock_robotarium.verify.trial import OUTCOME, run_trial
 from rps_compat.running.driver import VIOLATIONS
 from rps_compat.running.outcome import Ended, Failure, Outcome, PolicyViolation
@@ -45,7 +46,7 @@ class _Child:
     asked: bool = False
 
 
-def serve(request: dict[str, Any]) -> None:
+def serve(request: Request) -> None:
     """Run all trials of a request.
 
     Parameters
@@ -54,28 +55,28 @@ def serve(request: dict[str, Any]) -> None:
         As :mod:`posflock_robotarium.verify.trials` writes it: what to import first, how many at a
         time, and the plans.
     """
-    for name in request["preload"]:
+    for name in request.preload:
         with contextlib.suppress(Exception):
             importlib.import_module(name)
-    waiting = [RunPlan.from_dict(plan) for plan in request["plans"]]
+    waiting = list(request.plans)
     children: list[_Child] = []
     try:
         while waiting or children:
-            while waiting and len(children) < request["jobs"]:
+            while waiting and len(children) < request.jobs:
                 with _signals_held():  # no child may be born that nobody knows of
                     children.append(_fork(waiting.pop(0)))
             time.sleep(0.01)
             for child in list(children):
-                why = _overdue(child, request["stall"], request["seconds"])
+                overdue = _overdue(child, request.stall, request.seconds)
                 pid, status = os.waitpid(child.pid, os.WNOHANG)
-                if pid == 0 and why is None:
+                if pid == 0 and not overdue:
                     continue
                 if pid == 0:
                     _kill(child)
                     _, status = os.waitpid(child.pid, 0)
                 children.remove(child)
                 left = _survivors(child)
-                print(json.dumps(_outcome(child, status, why, left).as_dict()), flush=True)
+                print(json.dumps(_outcome(child, status, overdue, left).as_dict()), flush=True)
     finally:  # whoever ends this process ends the trials
         for child in children:
             _survivors(child)
@@ -117,8 +118,8 @@ def _die_with_parent() -> None:
         ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG
 
 
-def _overdue(child: _Child, stall: float, seconds: float) -> str | None:
-    """Say why a child must be ended now, if so.
+def _overdue(child: _Child, stall: float, seconds: float) -> bool:
+    """Whether a child must be ended now: it does not step any more, or its time is over.
 
     What counts is computing time; a busy machine must not make a sound script hang. A child that
     waits uses none, so there is a wall clock limit, too, ten times as long.
@@ -126,8 +127,8 @@ def _overdue(child: _Child, stall: float, seconds: float) -> str | None:
     now, used = time.time(), _cpu_seconds(child.pid)
     _, _, wall, cpu = read_pulse(child.pulse)
     if used - cpu > stall or now - max(wall, child.started) > 10 * stall:
-        return "stall"
-    return "seconds" if used > seconds or now - child.started > 10 * seconds else None
+        return True
+    return used > seconds or now - child.started > 10 * seconds
 
 
 def _cpu_seconds(pid: int) -> float:
@@ -158,18 +159,18 @@ def _survivors(child: _Child) -> bool:
     return True
 
 
-def _outcome(child: _Child, status: int, why: str | None, left: bool) -> Outcome:
+def _outcome(child: _Child, status: int, overdue: bool, left: bool) -> Outcome:
     """Return what the trial tells, or what is known of it, and what it left."""
     try:
         said = json.loads((child.watched / OUTCOME).read_text())
         outcome = Outcome.from_dict(said)
     except (OSError, ValueError):
-        outcome = _obituary(child, status, why)
-    if why is not None and outcome.ended in (Ended.FINISHED, Ended.DIED):
+        outcome = _obituary(child, status, overdue)
+    if overdue and outcome.ended in (Ended.FINISHED, Ended.DIED):
         outcome = replace(outcome, ended=Ended.HUNG)
     violations = _violations(child.watched / VIOLATIONS)
     if left:
-        violations.append(PolicyViolation("fork", "left processes running"))
+        violations.append(PolicyViolation(Code.FORK.value, "left processes running"))
     folder = Path(child.plan.folder)
     return replace(outcome, policy_violations=tuple(violations), files=_files(folder))
 
@@ -181,15 +182,15 @@ def _violations(record: Path) -> list[PolicyViolation]:
     return [PolicyViolation(**json.loads(line)) for line in record.read_text().splitlines()]
 
 
-def _obituary(child: _Child, status: int, why: str | None) -> Outcome:
+def _obituary(child: _Child, status: int, overdue: bool) -> Outcome:
     """Say what is known of a trial that could not speak for itself."""
     plan = child.plan
     steps, t, _, _ = read_pulse(child.pulse)
     number = os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0
     ended, error = Ended.DIED, None
-    if plan.kill_at is not None and number == signal.SIGKILL and why is None:
+    if plan.kill_at is not None and number == signal.SIGKILL and not overdue:
         ended = Ended.KILLED
-    elif why is not None:
+    elif overdue:
         ended, error = Ended.HUNG, _where(child)
     else:
         name = signal.Signals(number).name if number else f"exit code {os.WEXITSTATUS(status)}"
@@ -234,4 +235,4 @@ def _files(folder: Path) -> tuple[Path, ...]:
 if __name__ == "__main__":
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
     for line in sys.stdin:
-        serve(json.loads(line))
+        serve(Request.of(line))

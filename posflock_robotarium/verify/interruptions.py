@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from posflock_robotarium.verify.findings import Finding, Verdict
+from posflock_robotarium.verify.findings import Code, Finding, Verdict
 from posflock_robotarium.verify.trials import Ran
 from rps_compat.running.outcome import Ended
 
@@ -33,7 +33,7 @@ def judge_data(
         return
     if interrupted.outcome.ended is Ended.HUNG:
         yield Finding(
-            "hang",
+            Code.HANG,
             Verdict.RISK,
             "goes on after the KeyboardInterrupt in step(), without stepping",
             "let the interrupt end the loop",
@@ -45,9 +45,9 @@ def judge_data(
     # Files that half a run leaves as a whole one does hold none of its data.
     recorded = [n for n in kept if ideal.data[n].digest != interrupted.data[n].digest]
     if not kept or (not recorded and any(not n.lower().endswith(_PICTURES) for n in lost)):
-        if not any(finding.code == "save-at-end" for finding in known):
+        if not any(finding.code is Code.SAVE_AT_END for finding in known):
             yield Finding(
-                "data-lost",
+                Code.DATA_LOST,
                 Verdict.RISK,
                 f"interrupted at t = {t:.0f} s, it left nothing of {', '.join(lost)}",
                 "write during the loop, or in `try: … finally:` around it",
@@ -58,7 +58,7 @@ def judge_data(
         return
     if killed is not None and killed.outcome.steps and not _kept(ideal, killed):
         yield Finding(
-            "data-lost",
+            Code.DATA_LOST,
             Verdict.NOTE,
             f"a KeyboardInterrupt leaves {', '.join(kept)}, but a kill leaves nothing",
             "write row by row during the loop (numpy.lib.format.open_memmap, or PoseLog)",
@@ -68,7 +68,7 @@ def judge_data(
         )
     elif lost:
         yield Finding(
-            "data-lost",
+            Code.DATA_LOST,
             Verdict.NOTE,
             f"interrupted at t = {t:.0f} s, it left {', '.join(kept)}, and not {', '.join(lost)}",
             "",

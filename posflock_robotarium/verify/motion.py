@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from barrier_certificates import ties
 from posflock_robotarium.verify.endings import is_explained
-from posflock_robotarium.verify.findings import Finding, Verdict, count, wilson_interval
+from posflock_robotarium.verify.findings import Code, Finding, Verdict, count, wilson_interval
 from rps_compat import testbed
 from rps_compat.running.outcome import Ended, Outcome
 
@@ -25,12 +25,12 @@ def judge_collisions(ideal: Outcome, trials: Sequence[Outcome]) -> Iterator[Find
     advice = (
         "keep centres at least 0.15 m apart: use a barrier certificate, with a larger safety radius"
     )
-    first = _first(ideal, "collision")
+    first = _first(ideal, Code.COLLISION)
     if first and _starts_in_collision(ideal):
         return  # told of as a start
     if first:
         yield Finding(
-            "collision",
+            Code.COLLISION,
             Verdict.FAIL,
             f"robots come within {100 * first.worst:.1f} cm of each other in the ideal"
             " simulator: the testbed's collision detector ends the run",
@@ -41,7 +41,7 @@ def judge_collisions(ideal: Outcome, trials: Sequence[Outcome]) -> Iterator[Find
             unit="m between collision points",
         )
         return
-    yield from _proportion("collision", trials, advice, "robots collide")
+    yield from _proportion(Code.COLLISION, trials, advice, "robots collide")
 
 
 def judge_boundary(ideal: Outcome, trials: Sequence[Outcome]) -> Iterator[Finding]:
@@ -55,11 +55,11 @@ def judge_boundary(ideal: Outcome, trials: Sequence[Outcome]) -> Iterator[Findin
         The runs with imperfections.
     """
     advice = "keep robots inside: use a certificate with boundary, or smaller goals"
-    first, report = _first(ideal, "boundary"), ideal.report
+    first, report = _first(ideal, Code.BOUNDARY), ideal.report
     if first and report:
         many = report.steps_outside > testbed.TOLERATED_VIOLATIONS
         yield Finding(
-            "boundary",
+            Code.BOUNDARY,
             Verdict.FAIL if many else Verdict.RISK,
             f"robots are outside the arena at the start of {count(report.steps_outside, 'step')}",
             advice,
@@ -69,10 +69,12 @@ def judge_boundary(ideal: Outcome, trials: Sequence[Outcome]) -> Iterator[Findin
             unit="m outside",
         )
         return
-    yield from _proportion("boundary", trials, advice, "robots leave the arena")
+    yield from _proportion(Code.BOUNDARY, trials, advice, "robots leave the arena")
 
 
-def _proportion(code: str, trials: Sequence[Outcome], advice: str, words: str) -> Iterator[Finding]:
+def _proportion(
+    code: Code, trials: Sequence[Outcome], advice: str, words: str
+) -> Iterator[Finding]:
     """Tell of a fault that imperfections bring out."""
     ran = [outcome for outcome in trials if outcome.steps]
     hit = [(outcome, first) for outcome in ran if (first := _first(outcome, code))]
@@ -104,14 +106,14 @@ def judge_wheels(ideal: Outcome) -> Iterator[Finding]:
     ideal : Outcome
         The ideal run.
     """
-    first, report = _first(ideal, "actuator"), ideal.report
+    first, report = _first(ideal, Code.ACTUATOR), ideal.report
     if not first or report is None:
         return
     limit = testbed.GTERNAL.max_wheel_velocity
     steps, fastest = report.steps_over_actuator_limits, report.largest_wheel_velocity
     many = steps > testbed.TOLERATED_VIOLATIONS
     yield Finding(
-        "actuator",
+        Code.ACTUATOR,
         Verdict.RISK if many else Verdict.NOTE,
         f"asks a wheel for more than {limit} rad/s in {count(steps, 'step')}, up"
         f" to {fastest:.1f}: the motors cut that, and robots drive another curve",
@@ -142,7 +144,7 @@ def judge_start(
     close = gap is not None and ties.short_of(gap.metres, testbed.SPACING)
     if gap is not None and close:
         yield Finding(
-            "close-start",
+            Code.CLOSE_START,
             Verdict.FAIL if colliding else Verdict.RISK,
             f"initial conditions place two robots {100 * gap.metres:.1f} cm apart"
             + (": they begin in a collision, and cannot be driven there" if colliding else ""),
@@ -158,7 +160,7 @@ def judge_start(
     error = None if drive is None or drive.ended is not Ended.FAILED else drive.error
     if error is not None and error.type != "SystemExit" and not is_explained(error, known):
         yield Finding(
-            "unreachable-start",
+            Code.UNREACHABLE_START,
             Verdict.RISK,
             f"robots do not reach their initial conditions: {error.message}",
             "place them farther from walls and from each other",
@@ -169,7 +171,7 @@ def judge_start(
 
 def _starts_in_collision(ideal: Outcome) -> bool:
     """Whether the initial conditions themselves are the first collision."""
-    first = _first(ideal, "collision")
+    first = _first(ideal, Code.COLLISION)
     gap = testbed.SPACING if ideal.initial_gap is None else ideal.initial_gap.metres
     return first is not None and first.time == 0.0 and ties.short_of(gap, testbed.SPACING)
 
@@ -183,9 +185,9 @@ class _First:
     worst: float
 
 
-def _first(outcome: Outcome, kind: str) -> _First | None:
+def _first(outcome: Outcome, kind: Code) -> _First | None:
     faults = outcome.faults(kind)
     if not faults:
         return None
-    pick = min if kind == "collision" else max
+    pick = min if kind is Code.COLLISION else max
     return _First(faults[0].start, faults[0].robots, pick(fault.worst for fault in faults))

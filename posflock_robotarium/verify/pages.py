@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from posflock_robotarium.flocking.errors import OutputError
-from posflock_robotarium.verify.findings import CODES, count
+from posflock_robotarium.verify.findings import Code, count
 from posflock_robotarium.verify.terminal import figure_lines
 from rps_compat.testbed import GTERNAL
 
@@ -63,32 +64,49 @@ def html(report: Report) -> str:
     )
     return environment.get_template("verify.html.j2").render(
         report=report,
-        findings=[(finding, CODES[finding.code]) for finding in report.findings],
+        findings=[(finding, finding.code.about) for finding in report.findings],
         figures=figure_lines(report),
         trials=count(len(report.trials), "trial"),
         strip=_strip(report),
     )
 
 
-def _strip(report: Report) -> dict[str, Any] | None:
-    """Lay the smallest gap of every run on a line, in pixels, with the collision distance."""
-    gaps = [
-        (ran.outcome.smallest_gap.metres, ran.outcome.name, bool(ran.outcome.faults("collision")))
-        for ran in ([report.ideal] if report.ideal else []) + report.trials
-        if ran.outcome.smallest_gap
-    ]
+@dataclass(frozen=True)
+class _Dot:
+    """The smallest gap of one run: where it is drawn, in pixels, and what is told of it."""
+
+    x: float
+    y: int
+    name: str
+    gap: float
+    hit: bool
+
+
+@dataclass(frozen=True)
+class _Strip:
+    """The smallest gap of every run on a line, with the collision distance; pixels."""
+
+    dots: list[_Dot]
+    limit: float
+    ticks: list[tuple[float, str]]
+
+
+def _strip(report: Report) -> _Strip | None:
+    """Lay the smallest gaps on a line; None where no run has one."""
+    runs = [ran.outcome for ran in [report.ideal, *report.trials] if ran is not None]
+    gaps = [(run, run.smallest_gap.metres) for run in runs if run.smallest_gap is not None]
     if not gaps:
         return None
-    right = max(0.40, max(gap for gap, _, _ in gaps) * 1.1)
+    right = max(0.40, max(gap for _, gap in gaps) * 1.1)
 
     def across(metres: float) -> float:
         return round(float(20 + 600 * metres / right), 1)
 
-    return {
-        "dots": [
-            {"x": across(gap), "y": 66 - 9 * (k % 4), "name": name, "gap": gap, "hit": hit}
-            for k, (gap, name, hit) in enumerate(gaps)
+    return _Strip(
+        dots=[
+            _Dot(across(gap), 66 - 9 * (k % 4), run.name, gap, bool(run.faults(Code.COLLISION)))
+            for k, (run, gap) in enumerate(gaps)
         ],
-        "limit": across(_COLLISION),
-        "ticks": [(across(k / 10), f"{k / 10:.1f}") for k in range(int(right * 10) + 1)],
-    }
+        limit=across(_COLLISION),
+        ticks=[(across(k / 10), f"{k / 10:.1f}") for k in range(int(right * 10) + 1)],
+    )

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Set
 from pathlib import PurePath
 
 from posflock_robotarium.verify.files import catches, path_written, writes
-from posflock_robotarium.verify.findings import Finding, Verdict
+from posflock_robotarium.verify.findings import Code, Finding, Verdict
 from posflock_robotarium.verify.source import Source, is_call_to
 
 
@@ -43,7 +43,7 @@ def check_saving(source: Source) -> Iterator[Finding]:
     if late and not early:
         first = min(late, key=lambda call: call.lineno)
         yield Finding(
-            "save-at-end",
+            Code.SAVE_AT_END,
             Verdict.RISK,
             "saves its data only after the loop: a run that is interrupted, as four of ten"
             " published ones were, returns nothing",

@@ -7,9 +7,8 @@ from collections.abc import Set
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
-from posflock_robotarium.verify.constants import constants_of
+from posflock_robotarium.verify.constants import Names, constants_of
 from rps_compat.scripts import import_graph
 from rps_compat.scripts.program import Program
 from rps_compat.scripts.source import Script
@@ -35,7 +34,7 @@ class Source:
     script: Script
     generation: int = 2
     search: tuple[Path, ...] = ()
-    names: dict[str, Any] = field(init=False)
+    names: Names = field(init=False)
 
     def __post_init__(self) -> None:
         self.names = constants_of(self.tree)

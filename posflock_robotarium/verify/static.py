@@ -11,11 +11,10 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 from posflock_robotarium.verify.constants import constant
 from posflock_robotarium.verify.files import check_files
-from posflock_robotarium.verify.findings import Finding, Verdict, too_many_robots
+from posflock_robotarium.verify.findings import Code, Finding, Verdict, too_many_robots
 from posflock_robotarium.verify.saving import check_saving
 from posflock_robotarium.verify.source import Source
 from rps_compat import testbed
@@ -73,9 +72,9 @@ def check_source(
 def _unreadable(error: UnreadableError) -> Finding:
     """Tell why Python refuses a source."""
     if error.newer is not None:
-        return Finding("newer-python", Verdict.FAIL, error.reason, OLDER_WAY, line=error.line)
+        return Finding(Code.NEWER_PYTHON, Verdict.FAIL, error.reason, OLDER_WAY, line=error.line)
     advice = "mend the line; `python -m py_compile` shows the place"
-    return Finding("syntax", Verdict.FAIL, error.reason, advice, line=error.line)
+    return Finding(Code.SYNTAX, Verdict.FAIL, error.reason, advice, line=error.line)
 
 
 # --- Python, libraries and the API -------------------------------------------------------------
@@ -102,17 +101,17 @@ def check_names(source: Source) -> Iterator[Finding]:
 def _named(source: Source, use: Use, verdict: Verdict) -> Finding:
     what = use.what
     if isinstance(use.entry, ApiName):
-        code, runs = "generation", f"the testbed runs generation {source.generation}"
+        code, runs = Code.GENERATION, f"the testbed runs generation {source.generation}"
         what = f"{what}, and {runs}" if use.entry.generations else what
     elif not isinstance(use.entry, Change) or use.entry.is_pythons_newer:
-        code = "newer-python"
+        code = Code.NEWER_PYTHON
     elif use.entry.path.partition(".")[0] == "numpy" and use.entry.kind is Kind.GONE:
-        code = "removed-from-numpy"
+        code = Code.REMOVED_FROM_NUMPY
     else:
         code = {
-            Kind.GONE: "removed-from-library",
-            Kind.NEWER: "newer-library",
-            Kind.LATER: "removed-later",
+            Kind.GONE: Code.REMOVED_FROM_LIBRARY,
+            Kind.NEWER: Code.NEWER_LIBRARY,
+            Kind.LATER: Code.REMOVED_LATER,
         }[use.entry.kind]
     file = use.module.script.path.name if use.module.name else ""
     advice = use.remedy(source.generation)
@@ -130,7 +129,7 @@ def check_imports(source: Source) -> Iterator[Finding]:
     try:
         trace = source.trace
     except ScriptError as error:
-        yield Finding("syntax", Verdict.FAIL, str(error), "mend the imported file")
+        yield Finding(Code.SYNTAX, Verdict.FAIL, str(error), "mend the imported file")
         return
     for missing in trace.missing:
         if missing.statement.top in libraries.NEWER_MODULES:
@@ -141,7 +140,7 @@ def check_imports(source: Source) -> Iterator[Finding]:
         hidden = libraries.shadowed_by(local.name) if "." not in local.name else None
         if paths[local.name] != local.path:  # of two, the user's is the one that is found there
             yield Finding(
-                "shadowed-name",
+                Code.SHADOWED_NAME,
                 Verdict.FAIL,
                 f"{local.name}.py beside the script would hide posflock's own {local.name}, which"
                 f" {local.wanted_by.name} needs",
@@ -149,7 +148,7 @@ def check_imports(source: Source) -> Iterator[Finding]:
             )
         elif hidden and not local.is_package:
             yield Finding(
-                "shadowed-name",
+                Code.SHADOWED_NAME,
                 Verdict.FAIL,
                 f"{local.path.name} would hide {hidden}",
                 "rename the file",
@@ -162,7 +161,7 @@ def check_imports(source: Source) -> Iterator[Finding]:
         first = wanted[0]
         names = sorted({local.name.partition(".")[0] for local in wanted})
         yield Finding(
-            "local-module",
+            Code.LOCAL_MODULE,
             Verdict.NOTE,
             f"{len(wanted)} local file{'s' * (len(wanted) > 1)} must be uploaded with"
             f" it: {', '.join(names)}",
@@ -173,46 +172,40 @@ def check_imports(source: Source) -> Iterator[Finding]:
 
 def _missing(source: Source, missing: import_graph.Missing) -> Finding:
     statement = missing.statement
-    place: dict[str, Any] = {"line": statement.line, "file": _file(source, missing.wanted_by)}
+
+    def fail(code: Code, message: str, advice: str) -> Finding:
+        file = _file(source, missing.wanted_by)
+        return Finding(code, Verdict.FAIL, message, advice, line=statement.line, file=file)
+
     if statement.top == libraries.STAND_IN:
-        return Finding(
-            "stand-in",
-            Verdict.FAIL,
+        return fail(
+            Code.STAND_IN,
             f"{statement.module} stands in for rps on this machine only",
             "import rps, and rps_compat in `except ImportError`",
-            **place,
         )
     if statement.relative:
-        return Finding(
-            "module-missing",
-            Verdict.FAIL,
+        return fail(
+            Code.MODULE_MISSING,
             f"the relative import of {statement.module or 'its own package'!r} needs a package,"
             " but the main file is none",
             "import it by its plain name",
-            **place,
         )
     if statement.top in libraries.ABSENT:
-        return Finding(
-            "library-absent",
-            Verdict.FAIL,
+        return fail(
+            Code.LIBRARY_ABSENT,
             f"the testbed has no {statement.top}",
             libraries.ABSENT[statement.top],
-            **place,
         )
     if missing.installed_here:
-        return Finding(
-            "library-absent",
-            Verdict.FAIL,
+        return fail(
+            Code.LIBRARY_ABSENT,
             f"{statement.top} is not in the testbed's list of libraries",
             "do without it, or put its source files beside the script",
-            **place,
         )
-    return Finding(
-        "module-missing",
-        Verdict.FAIL,
+    return fail(
+        Code.MODULE_MISSING,
         f"there is no module {statement.module}: neither beside the script nor on the testbed",
         f"put {statement.top}.py beside {source.path.name}, or correct the name",
-        **place,
     )
 
 
@@ -256,7 +249,7 @@ def check_finishing(source: Source) -> Iterator[Finding]:
     if not named & set(_FINISHING):
         right = _FINISHING[0] if source.generation == 2 else _FINISHING[1]
         yield Finding(
-            "no-finishing-call",
+            Code.NO_FINISHING_CALL,
             Verdict.RISK,
             f"never calls {right}(), so the run does not end in order and says nothing about its"
             " violations",
@@ -283,7 +276,7 @@ def check_blocking(source: Source) -> Iterator[Finding]:
             if blocks and constant(blocks[0], source.names) is False:
                 continue
             yield Finding(
-                "blocking-call",
+                Code.BLOCKING_CALL,
                 Verdict.FAIL,
                 f"{name}() {_BLOCKING[name]}: on the testbed nobody is there",
                 "remove it"
@@ -295,7 +288,7 @@ def check_blocking(source: Source) -> Iterator[Finding]:
             if isinstance(seconds, (int, float)) and seconds > testbed.TIME_STEP:
                 long = seconds >= testbed.WATCHDOG
                 yield Finding(
-                    "watchdog" if long else "slow-sleep",
+                    Code.WATCHDOG if long else Code.SLOW_SLEEP,
                     Verdict.RISK,
                     f"sleeps {seconds:g} s in its loop, longer than a step of"
                     f" {testbed.TIME_STEP} s"

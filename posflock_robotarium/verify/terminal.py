@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from barrier_certificates import ties
-from posflock_robotarium.verify.findings import Verdict, count
+from posflock_robotarium.verify.findings import Code, Verdict, count
+from rps_compat import testbed
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -49,7 +50,7 @@ def print_report(report: Report, console: Console) -> None:
             text += f"\n[dim]→ {escape(finding.advice)}[/]"
         shade = _COLOURS[finding.verdict]
         table.add_row(
-            f"[{shade}]{finding.verdict.name}[/]", finding.code, escape(finding.where), text
+            f"[{shade}]{finding.verdict.name}[/]", finding.code.value, escape(finding.where), text
         )
     console.print()
     console.print(table)
@@ -63,45 +64,42 @@ def figure_lines(report: Report) -> list[tuple[str, str]]:
     report : Report
         What verify found, with the ideal run if there was one.
     """
-    found = report.figures()
-    if not found:
+    found = report.figures
+    if found is None:
         return []
-    drive, loop = found["initial_drive_seconds"], found["loop_milliseconds"]
+    least, median, most = testbed.INITIAL_DRIVE
     lines = [
         (
             "duration",
-            f"{found['run_seconds']:.0f} s, after a drive to the initial conditions of"
-            f" {drive['least']:.0f} to {drive['most']:.0f} s (median {drive['median']:.0f}):"
-            f" declare {found['recommended_duration']:.0f} s"
-            + _declared(report.declared, found["run_seconds"] + drive["most"]),
+            f"{found.run_seconds:.0f} s, after a drive to the initial conditions of"
+            f" {least:.0f} to {most:.0f} s (median {median:.0f}):"
+            f" declare {found.recommended_duration:.0f} s"
+            + _declared(report.declared, found.run_seconds + most),
         )
     ]
-    if loop:
+    if (loop := found.loop) is not None:
         lines.append(
             (
                 "loop",
-                f"p50 {loop['p50']:.1f} ms, p99 {loop['p99']:.1f} ms, longest"
-                f" {loop['max']:.1f} ms of the 33 ms a step has (this machine's CPU time)",
+                f"p50 {1000 * loop.p50:.1f} ms, p99 {1000 * loop.p99:.1f} ms, longest"
+                f" {1000 * loop.longest:.1f} ms of the 33 ms a step has (this machine's CPU time)",
             )
         )
-    for name, label, between in (
-        ("smallest_gap", "gap", "centres"),
-        ("smallest_wall_gap", "wall gap", "a centre and a wall"),
+    for label, gap, between in (
+        ("gap", found.gap, "centres"),
+        ("wall gap", found.wall_gap, "a centre and a wall"),
     ):
-        ideal, trials = found[name].get("ideal"), found[name].get("trials")
-        if ideal is not None:
-            text = f"at least {ideal:.3f} m between {between} in the ideal run"
-            lines.append(
-                (label, text + (f", {trials:.3f} m in the trials" if trials is not None else ""))
-            )
-    for name in ("collision", "boundary"):
-        runs = found.get(f"{name}_runs")
-        if runs:
-            low, high = runs["interval"]
+        if gap.ideal is not None:
+            text = f"at least {gap.ideal:.3f} m between {between} in the ideal run"
+            in_trials = "" if gap.trials is None else f", {gap.trials:.3f} m in the trials"
+            lines.append((label, text + in_trials))
+    for name, runs in ((Code.COLLISION, found.collisions), (Code.BOUNDARY, found.outside)):
+        if runs is not None:
+            low, high = runs.interval
             lines.append(
                 (
-                    name,
-                    f"in {runs['hits']} of {count(runs['trials'], 'trial')}"
+                    name.value,
+                    f"in {runs.hits} of {count(runs.trials, 'trial')}"
                     f" (95 % interval {100 * low:.0f} to {100 * high:.0f} % of runs)",
                 )
             )
@@ -137,6 +135,6 @@ def print_ablation(rows: Sequence[Ablation], console: Console) -> None:
         table.add_row(
             f"[red]{row.effect}[/]" if bad else row.effect,
             *(f"{hits} of {row.trials}" for hits in (row.collisions, row.outside, row.failed)),
-            f"{row.gap:.3f} m",
+            "unknown" if row.gap is None else f"{row.gap:.3f} m",
         )
     console.print(table)

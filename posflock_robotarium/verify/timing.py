@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from barrier_certificates import ties
-from posflock_robotarium.verify.findings import Finding, Verdict
+from posflock_robotarium.verify.findings import Code, Finding, Verdict
 from rps_compat import testbed
 from rps_compat.running.outcome import Ended, Outcome
 
@@ -25,12 +25,12 @@ def judge_loop(ideal: Outcome, known: Sequence[Finding]) -> Iterator[Finding]:
     """
     loop = ideal.loop
     # A sleep that the source shows is not told twice; what the loop takes besides is.
-    slept = [f.figure or 0.0 for f in known if f.code in ("slow-sleep", "watchdog")]
+    slept = [f.figure or 0.0 for f in known if f.code in (Code.SLOW_SLEEP, Code.WATCHDOG)]
     asleep = max(slept, default=0.0)
     told = bool(slept) and loop is not None and loop.p99 - asleep <= testbed.TIME_STEP
     if loop and loop.late > _LATE and not told:
         yield Finding(
-            "slow-loop",
+            Code.SLOW_LOOP,
             Verdict.RISK,
             f"its loop takes {1000 * loop.p50:.0f} ms of computing and sleeping at the median"
             f" ({1000 * loop.p99:.0f} ms at the 99th percentile), and more than 33 ms in"
@@ -42,7 +42,7 @@ def judge_loop(ideal: Outcome, known: Sequence[Finding]) -> Iterator[Finding]:
         )
     if loop and loop.longest - asleep >= testbed.WATCHDOG:
         yield Finding(
-            "watchdog",
+            Code.WATCHDOG,
             Verdict.RISK,
             f"one loop takes {loop.longest:.2f} s: robots brake after {testbed.WATCHDOG} s without"
             " a command",
@@ -53,7 +53,7 @@ def judge_loop(ideal: Outcome, known: Sequence[Finding]) -> Iterator[Finding]:
         )
     elif ideal.silence and ties.reached(ideal.silence.seconds, testbed.WATCHDOG):
         yield Finding(
-            "watchdog",
+            Code.WATCHDOG,
             Verdict.RISK,
             f"lets robots drive for {ideal.silence.seconds:.1f} s on one command: they brake"
             f" after {testbed.WATCHDOG} s without a new one, which the simulator does not show",
@@ -85,7 +85,7 @@ def judge_duration(ideal: Outcome, declared: float | None, counted: bool) -> Ite
     if ideal.ended is Ended.OVER_TIME:
         if counted:
             yield Finding(
-                "duration",
+                Code.DURATION,
                 Verdict.FAIL,
                 f"has steps left after {run:.0f} s, without the drive to the initial conditions:"
                 f" it does not fit {of}",
@@ -99,7 +99,7 @@ def judge_duration(ideal: Outcome, declared: float | None, counted: bool) -> Ite
         return
     certain = ties.beyond(run + least, allowed)
     yield Finding(
-        "duration",
+        Code.DURATION,
         Verdict.FAIL if certain else Verdict.RISK,
         f"takes {run:.0f} s, and driving to the initial conditions before it took {least:.0f} to"
         f" {most:.0f} s (median {median:.0f}) in published runs: {run + median:.0f} s of {of}",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import json
 import os
 import shutil
@@ -11,13 +10,13 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from posflock_robotarium.verify.data_files import Readable, read_back
 from posflock_robotarium.verify.files import files_read
+from posflock_robotarium.verify.request import Request
 from posflock_robotarium.verify.source import Source
 from rps_compat import testbed
 from rps_compat.profiles import profile_to_dict
@@ -79,28 +78,6 @@ class Ran:
     data: dict[str, Readable]
 
 
-@dataclass(frozen=True)
-class Readable:
-    """Whether a data file can be read back, and how much is in it.
-
-    Attributes
-    ----------
-    size : int
-        Bytes.
-    readable : bool
-        Whether its reader opens it.
-    values : int
-        How many numbers or rows are in it.
-    digest : str
-        SHA-256 of its bytes; empty where it cannot be read.
-    """
-
-    size: int
-    readable: bool
-    values: int
-    digest: str = ""
-
-
 class ForkServer:
     """The process that forks trials; use it in a ``with`` block to have several rooms share it.
 
@@ -123,7 +100,7 @@ class ForkServer:
             self._process.communicate()
             self._process = None
 
-    def ask(self, request: dict[str, Any]) -> Iterator[Outcome]:
+    def ask(self, request: Request) -> Iterator[Outcome]:
         """Yield the outcome of each trial when it is done.
 
         Parameters
@@ -137,7 +114,7 @@ class ForkServer:
         assert process.stdin is not None
         assert process.stdout is not None
         with contextlib.suppress(BrokenPipeError):
-            process.stdin.write(json.dumps(request) + "\n")
+            process.stdin.write(request.line())
             process.stdin.flush()
         for line in iter(process.stdout.readline, ""):
             if not line.strip():
@@ -261,19 +238,20 @@ class TrialRoom:
             Is told of each outcome when it is there.
         """
         preload = [m for top in sorted(self.source.trace.libraries) for m in _PRELOAD.get(top, [])]
-        request = {
-            "preload": [
+        generation = f"rps_compat.v{self.generation}"
+        request = Request(
+            tuple(plans),
+            (
                 "matplotlib.pyplot",
                 "rps_compat.profiles",
-                f"rps_compat.v{self.generation}.drawing",
-                f"rps_compat.v{self.generation}.robotarium",
+                f"{generation}.drawing",
+                f"{generation}.robotarium",
                 *preload,
-            ],
-            "plans": [asdict(plan) for plan in plans],
-            "jobs": self.limits.jobs,
-            "stall": self.limits.stall,
-            "seconds": self.limits.seconds,
-        }
+            ),
+            self.limits.jobs,
+            self.limits.stall,
+            self.limits.seconds,
+        )
         found: dict[str, Outcome] = {}
         for outcome in self._server.ask(request):
             found[outcome.name] = outcome
@@ -323,45 +301,6 @@ def lay_out(source: Source, scratch: Path) -> None:
         target = scratch / path.name
         if path.is_file() and path.parent == home and path.stat().st_size < 50e6:
             shutil.copyfile(path, target)
-
-
-def read_back(path: Path) -> Readable:
-    """Open a data file as its reader would, and count what is in it.
-
-    Parameters
-    ----------
-    path : Path
-        A file that the script has written.
-    """
-    size = path.stat().st_size
-    try:
-        digest = hashlib.sha256(path.read_bytes()).hexdigest()
-        return Readable(size, *_content(path), digest)
-    except Exception:
-        return Readable(size, False, 0)
-
-
-def _content(path: Path) -> tuple[bool, int]:
-    ending = path.suffix.lower()
-    if ending == ".npy":
-        rows = np.load(path, mmap_mode="r", allow_pickle=False)
-        if rows.dtype.names and "t" in rows.dtype.names:  # a pose log: rows not reached are NaN
-            reached = int(np.sum(~np.isnan(rows["t"])))
-            return reached > 0, reached
-        return True, rows.size
-    if ending == ".npz":
-        with np.load(path, allow_pickle=False) as arrays:
-            return True, sum(arrays[name].size for name in arrays)
-    if ending == ".mat":
-        from scipy.io import loadmat
-
-        return True, sum(np.size(value) for value in loadmat(path).values())
-    if ending == ".json":
-        json.loads(path.read_text())
-        return True, path.stat().st_size
-    if ending in (".txt", ".csv", ".dat", ".log"):
-        return bool(path.read_text().strip()), len(path.read_text().splitlines())
-    return path.stat().st_size > 0, path.stat().st_size
 
 
 def robots_and_seconds(script: Path) -> tuple[int | None, float | None]:

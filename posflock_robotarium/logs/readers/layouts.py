@@ -10,6 +10,7 @@ reader raises `LayoutError` and lists the readings. It never picks one silently.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -130,21 +131,9 @@ def to_poses(
         )
     if array.size == 0:
         raise LogError(f"{where}: empty, shape {array.shape}")
-    named = layout is not None
-    fits = [
-        candidate
-        for candidate in LAYOUTS
-        if candidate.axes == array.ndim
-        and (not named or candidate.name == layout)
-        and (columns is None or candidate.columns in ("", columns))
-        and 0 < candidate.robots(array.shape) <= (array.size if named else MOST_ROBOTS)
-    ]
-    lengths = {id(c): array.size // (3 * c.robots(array.shape)) for c in fits}
-    fits = [c for c in fits if lengths[id(c)] > 1 and samples in (None, lengths[id(c)])]
-    # With one robot, both orders of columns are the same columns.
-    if len(fits) == 2 and all(c.axes == 2 and c.robots(array.shape) == 1 for c in fits):
-        fits = fits[:1] if fits[0].name == fits[1].name else fits
+    fits = _fitting(array.shape, layout, columns, samples)
     if not fits:
+        named = layout is not None
         asked = f"layout {layout}" if named else "any known layout " + " ".join(NAMES)
         raise LayoutError(
             f"{where}: shape {array.shape} does not fit {asked} "
@@ -152,9 +141,30 @@ def to_poses(
             f"{'at least 2' if samples is None else samples} samples); name one with --layout"
         )
     if len(fits) == 1:
-        how = "as asked" if named else "the only one that fits the shape"
+        how = "as asked" if layout is not None else "the only one that fits the shape"
         return fits[0].turn(array), f"layout {fits[0].label}, {how}"
     return _decide_by_rolling(array, where, fits)
+
+
+def _fitting(
+    shape: tuple[int, ...], layout: str | None, columns: str | None, samples: int | None
+) -> list[Layout]:
+    """Return the layouts that an array of this shape may have."""
+    named, size = layout is not None, math.prod(shape)
+    fits = [
+        candidate
+        for candidate in LAYOUTS
+        if candidate.axes == len(shape)
+        and (not named or candidate.name == layout)
+        and (columns is None or candidate.columns in ("", columns))
+        and 0 < candidate.robots(shape) <= (size if named else MOST_ROBOTS)
+    ]
+    lengths = {id(c): size // (3 * c.robots(shape)) for c in fits}
+    fits = [c for c in fits if lengths[id(c)] > 1 and samples in (None, lengths[id(c)])]
+    # With one robot, both orders of columns are the same columns.
+    if len(fits) == 2 and all(c.axes == 2 and c.robots(shape) == 1 for c in fits):
+        fits = fits[:1] if fits[0].name == fits[1].name else fits
+    return fits
 
 
 def _known(name: str | None, names: tuple[str, ...], option: str) -> str | None:

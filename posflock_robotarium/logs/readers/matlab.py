@@ -13,12 +13,43 @@ import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.logs.readers.forms import START, Form, Sign
+from posflock_robotarium.logs.readers.found import Found, ReadOptions
 from posflock_robotarium.logs.readers.matlab5 import read_matlab5
+from posflock_robotarium.logs.readers.named_arrays import poses_among
 
 Floats = NDArray[np.float64]
 
 LARGEST = 1 << 30
 """Bytes of one variable beyond which a file is refused."""
+
+
+def find(file: Path, options: ReadOptions) -> Found:
+    """Find the poses among the variables of a MATLAB file.
+
+    Raises
+    ------
+    LogError, LayoutError
+        When the file is damaged, or more than one reading fits.
+    """
+    variables, version = read_mat(file)
+    return poses_among(variables, str(file), options, f"{version} file")
+
+
+def _is_hdf5(start: bytes) -> bool:
+    """Whether a file is HDF5, behind 512 bytes of MATLAB's own or at once."""
+    return b"\x89HDF\r\n\x1a\n" in (start[:8], start[512:520])
+
+
+MATLAB = Form(
+    name="mat",
+    label="`.mat`",
+    summary="versions 5 and 7.3; as `.npz`",
+    told_by=Sign.SIGNATURE,
+    recognises=lambda file, start: start.startswith(b"MATLAB") or _is_hdf5(start),
+    read=find,
+    endings=(".mat",),
+)
 
 
 def read_mat(path: Path) -> tuple[dict[str, Floats], str]:
@@ -42,10 +73,8 @@ def read_mat(path: Path) -> tuple[dict[str, Floats], str]:
         When the file is damaged or holds no numeric variable.
     """
     with path.open("rb") as file:
-        start = file.read(520)
-    if not start:
-        raise LogError(f"{path}: empty file")
-    if b"\x89HDF\r\n\x1a\n" in (start[:8], start[512:520]):
+        start = file.read(START)
+    if _is_hdf5(start):
         variables, kind = _read_hdf5(path), "MATLAB 7.3"
     else:
         variables, kind = read_matlab5(path), "MATLAB 5"

@@ -3,121 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from posflock_robotarium.flocking.errors import LogError, ParameterError
+from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.logs.readers import parameters
-from posflock_robotarium.logs.readers.layouts import COLUMN_ORDERS, increases, to_poses
-from posflock_robotarium.logs.readers.text import STATE_NAMES, TIME_NAMES
+from posflock_robotarium.logs.readers.found import Found, ReadOptions
+from posflock_robotarium.logs.readers.layouts import to_poses
+from posflock_robotarium.logs.readers.names import (
+    COMMAND_NAMES,
+    POSE_NAMES,
+    STATE_NAMES,
+    STEP_NAMES,
+    TIME_NAMES,
+)
 from posflock_robotarium.logs.run import LayoutError
 
 Floats = NDArray[np.float64]
-
-POSE_NAMES = ("poses", "pose", "states", "state", "x_data", "xdata", "trajectory", "trajectories")
-COMMAND_NAMES = ("command", "commands", "dxu")
-STEP_NAMES = ("dt", "time_step", "timestep")
-
-
-@dataclass(frozen=True)
-class ReadOptions:
-    """What the user says about a file that does not say it itself.
-
-    Parameters
-    ----------
-    layout : str, optional
-        Axes of the array, one of ``T,3,N``, ``3,N,T``, ``T,N,3``, ``T,3N``, ``3N,T``.
-    columns : str, optional
-        ``state`` (x1…xN, y1…yN, …), ``robot`` (x1, y1, θ1, x2, …) or the names of all columns.
-    dt : float, optional
-        Seconds between samples, for files without time.
-    array : str, optional
-        Which array of a file with several holds the poses.
-    drop_damaged : bool
-        Leave rows with values that are not finite out, and keep their place as a gap.
-
-    Raises
-    ------
-    ParameterError
-        When `dt` is not above zero.
-    """
-
-    layout: str | None = None
-    columns: str | None = None
-    dt: float | None = None
-    array: str | None = None
-    drop_damaged: bool = False
-
-    def __post_init__(self) -> None:
-        if self.dt is not None and not (np.isfinite(self.dt) and self.dt > 0):
-            raise ParameterError(f"--dt is {self.dt}; expected seconds between samples, above 0")
-
-    @property
-    def order(self) -> str | None:
-        """The column order, when `columns` is one and not a list of names."""
-        return self.columns if self.columns in COLUMN_ORDERS else None
-
-
-@dataclass(frozen=True)
-class Found:
-    """Poses as found in a file, before anything is checked.
-
-    Attributes
-    ----------
-    t : (T,) array or None
-        Times, s; None where the file has none.
-    poses : (T, 3, N) array
-        Poses, m and rad.
-    notes : tuple of str
-        How they were found, one sentence a decision.
-    commands : (T, 2, N) array, optional
-        Commanded velocities, m/s and rad/s.
-    dt : float, optional
-        Time between samples, s, where the file says it.
-    steps : mapping of str to (T,) arrays
-        What the certificate did at each step: ``intervention``, ``clearance``, ``status``.
-    parameters : mapping
-        What the file says about the run.
-    """
-
-    t: Floats | None
-    poses: Floats
-    notes: tuple[str, ...]
-    commands: Floats | None = None
-    dt: float | None = None
-    steps: Mapping[str, NDArray[Any]] = field(default_factory=dict)
-    parameters: Mapping[str, Any] = field(default_factory=dict)
-
-
-def poses_of_array(array: Floats, where: str, options: ReadOptions) -> Found:
-    """Find the poses, and a time if there is one, in a single array without names.
-
-    Parameters
-    ----------
-    array : two or three axes, (...) array
-        Poses in any of `LAYOUTS`, perhaps with a time.
-    where : str
-        File (and variable) name for messages.
-    options : ReadOptions
-        What the user says.
-    """
-    notes = [f"NumPy array of shape {array.shape}"]
-    t: Floats | None = None
-    layout = options.layout
-    if array.ndim == 2 and layout is None and array.size:
-        # One row or column more than three a robot, and always increasing: that is the time.
-        for axis, name in ((1, "T,3N"), (0, "3N,T")):
-            if array.shape[axis] % 3 == 1 and array.shape[axis] > 3 and array.shape[1 - axis] > 1:
-                first = array[:, 0] if axis else array[0]
-                if increases(first):
-                    t, array, layout = first, array[:, 1:] if axis else array[1:], name
-                    notes.append("first row or column increases throughout: taken for the time")
-                    break
-    poses, how = to_poses(array, where, layout, options.order)
-    return Found(t, poses, (*notes, how))
 
 
 def poses_among(
@@ -168,12 +72,17 @@ def poses_among(
     if described is not None:
         said = parameters.from_array(described, f"{where}: {parameters.NAME}")
         notes.append("parameters of the run came with the file")
-    steps: dict[str, NDArray[Any]] = {
-        name: values
-        for name in ("intervention", "clearance", "status")
-        if name in arrays and (values := _each_step(name, arrays[name], len(poses))) is not None
-    }
-    return Found(t, poses, tuple(notes), found, dt, steps, said)
+    return Found(
+        t,
+        poses,
+        tuple(notes),
+        found,
+        dt,
+        intervention=_number_each_step(arrays.get("intervention"), len(poses)),
+        clearance=_number_each_step(arrays.get("clearance"), len(poses)),
+        status=_word_each_step(arrays.get("status"), len(poses)),
+        parameters=said,
+    )
 
 
 def codes_of(words: NDArray[np.str_]) -> NDArray[np.uint32]:
@@ -193,11 +102,19 @@ def codes_of(words: NDArray[np.str_]) -> NDArray[np.uint32]:
     return letters.view(np.uint32).reshape(len(letters), -1)
 
 
-def _each_step(name: str, array: NDArray[Any], samples: int) -> NDArray[Any] | None:
-    """Return an array of the certificate as (T,), or None where it is something else."""
-    if name != "status":
-        fits = array.dtype.kind in "fiu" and array.size == max(array.shape, default=0) == samples
-        return floats(array, name).reshape(-1) if fits else None
+def _number_each_step(array: NDArray[Any] | None, samples: int) -> Floats | None:
+    """Return one number a sample (T,), or None where an array is something else."""
+    if array is None or array.dtype.kind not in "fiu":
+        return None
+    if not array.size == max(array.shape, default=0) == samples:
+        return None
+    return floats(array, "numbers").reshape(-1)
+
+
+def _word_each_step(array: NDArray[Any] | None, samples: int) -> NDArray[np.str_] | None:
+    """Return one word a sample (T,), which may stand as code points; or None."""
+    if array is None:
+        return None
     if array.dtype.kind == "U" and array.shape == (samples,):
         return array
     if array.dtype.kind not in "fiu" or array.ndim != 2 or len(array) != samples:

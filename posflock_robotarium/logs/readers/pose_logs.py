@@ -10,22 +10,37 @@ from numpy.typing import NDArray
 
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.flocking.pose_log import log_paths, row_type
+from posflock_robotarium.logs.readers.forms import Form, Sign
+from posflock_robotarium.logs.readers.found import ReadOptions
 from posflock_robotarium.logs.readers.named_arrays import floats
+from posflock_robotarium.logs.readers.numpy_arrays import SIGNATURE, read_npy
 from posflock_robotarium.logs.readers.parameters import LARGEST, from_json
-from posflock_robotarium.logs.run import Run
+from posflock_robotarium.logs.run import Ending, How, Run, ending_of
 
 FIELDS = row_type(1).names or ()
 
 
-def is_pose_log(array: NDArray[Any]) -> bool:
-    """Tell whether an array holds the rows of a pose log.
-
-    Parameters
-    ----------
-    array : (...) array
-        What a file holds.
-    """
+def _recognises(file: Path, start: bytes) -> bool:
+    if not start.startswith(SIGNATURE):
+        return False
+    array = read_npy(file)
     return array.dtype.names == FIELDS and array.ndim == 1
+
+
+def _read(file: Path, options: ReadOptions) -> Run:
+    return run_of(file, read_npy(file))  # it says all itself: no option is asked
+
+
+POSE_LOG = Form(
+    name="pose log",
+    label="our pose log",
+    summary="`NAME.npy` with `NAME.json`, also of a run that was killed, interrupted or still goes "
+    "on",
+    told_by=Sign.CONTENT,
+    recognises=_recognises,
+    read=_read,
+    endings=(".npy",),
+)
 
 
 def run_of(file: Path, rows: NDArray[Any]) -> Run:
@@ -59,14 +74,10 @@ def run_of(file: Path, rows: NDArray[Any]) -> Run:
         raise LogError(f"{file}: the run reached {reached} step(s); an analysis needs at least 2")
     parameters = _sidecar(log_paths(file)[1])
     notes = [f"pose log, {reached} of {len(t)} rows reached"]
-    ended = parameters.get("ended")
-    how = ended.get("how") if isinstance(ended, dict) else None
     if not parameters:
         notes.append(f"no {file.with_suffix('.json').name} beside it: parameters unknown")
-    elif how == "running":
-        notes.append("never closed: the run was killed, or still goes on")
-    elif how is not None and how != "finished":
-        notes.append(f"the run {how}: {ended.get('reason') or 'no reason recorded'}")  # type: ignore[union-attr]
+    elif (ending := ending_of(parameters)) is not None:
+        notes += _how_it_ended(ending)
     columns = {
         name: floats(rows[name][:reached], f"{file}: {name}").copy()
         for name in ("pose", "command", "intervention", "clearance")
@@ -83,6 +94,15 @@ def run_of(file: Path, rows: NDArray[Any]) -> Run:
         notes=tuple(notes),
         sources=(str(file),),
     )
+
+
+def _how_it_ended(ending: Ending) -> list[str]:
+    """Return a note on a run that did not end by itself."""
+    if ending.how is How.FINISHED:
+        return []
+    if ending.how is How.RUNNING:
+        return ["never closed: the run was killed, or still goes on"]
+    return [f"the run {ending.how.value}: {ending.reason or 'no reason recorded'}"]
 
 
 def _words(status: NDArray[Any]) -> NDArray[np.str_] | None:

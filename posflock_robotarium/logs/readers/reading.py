@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,17 +17,12 @@ from numpy.typing import NDArray
 
 from posflock_robotarium.flocking.errors import LogError, ParameterError
 from posflock_robotarium.flocking.pose_log import log_paths
-from posflock_robotarium.logs.readers.matlab import read_mat
-from posflock_robotarium.logs.readers.named_arrays import (
-    Found,
-    ReadOptions,
-    floats,
-    poses_among,
-    poses_of_array,
-)
-from posflock_robotarium.logs.readers.numpy_files import fields_of, read_npy, read_npz
-from posflock_robotarium.logs.readers.pose_logs import FIELDS, is_pose_log, run_of
-from posflock_robotarium.logs.readers.text import STATE_NAMES, TIME_NAMES, read_text
+from posflock_robotarium.logs.readers.forms import form_of
+from posflock_robotarium.logs.readers.found import Found, ReadOptions
+from posflock_robotarium.logs.readers.named_arrays import poses_among
+from posflock_robotarium.logs.readers.names import STATE_NAMES, TIME_NAMES
+from posflock_robotarium.logs.readers.numpy_arrays import NPY, read_npy
+from posflock_robotarium.logs.readers.pose_logs import FIELDS, POSE_LOG, run_of
 from posflock_robotarium.logs.run import LayoutError, Run
 
 Floats = NDArray[np.float64]
@@ -59,10 +55,9 @@ def read(path: str | os.PathLike[str], options: ReadOptions | None = None) -> Ru
     """
     options = options or ReadOptions()
     file = _existing(Path(path))
-    kind = _kind(file)
-    if kind == "npy" and is_pose_log(array := read_npy(file)):
-        return run_of(file, array)
-    found = _find(file, kind, options)
+    found = form_of(file).read(file, options)
+    if isinstance(found, Run):
+        return found
     return _recording(found, file.stem, (str(file),), options)
 
 
@@ -80,8 +75,8 @@ def read_pose_log(path: str | os.PathLike[str]) -> Run:
         When the file is missing, damaged or no pose log, or holds fewer than two rows.
     """
     file = _existing(Path(path))
-    if _kind(file) == "npy" and is_pose_log(array := read_npy(file)):
-        return run_of(file, array)
+    if form_of(file) is POSE_LOG:
+        return run_of(file, read_npy(file))
     raise LogError(f"{file}: not a pose log; expected rows with the fields {', '.join(FIELDS)}")
 
 
@@ -132,41 +127,54 @@ def _existing(path: Path) -> Path:
     raise LogError(f"{path}: no such file")
 
 
-def _kind(file: Path) -> str:
-    try:
-        with file.open("rb") as stream:
-            start = stream.read(520)
-    except OSError as error:
-        raise LogError(f"{file}: cannot be read ({error.strerror})") from error
-    if not start:
-        raise LogError(f"{file}: empty file")
-    if start.startswith(b"\x93NUMPY"):
-        return "npy"
-    if start.startswith((b"PK\x03\x04", b"PK\x05\x06")):
-        return "npz"
-    if start.startswith(b"MATLAB") or b"\x89HDF\r\n\x1a\n" in (start[:8], start[512:520]):
-        return "mat"
-    if start[:1] == b"\x80" or file.suffix in (".pkl", ".pickle"):
-        raise LogError(f"{file}: a pickle, which can run code when read: refused; save an .npz")
-    if file.suffix in (".npy", ".npz", ".mat"):
-        raise LogError(f"{file}: not a {file.suffix} file, or its beginning is damaged")
-    return "text"
+def _recording(found: Found, name: str, sources: tuple[str, ...], options: ReadOptions) -> Run:
+    """Time what was found, leave out what is none, and check it."""
+    timed = found.t is not None
+    found = _without_tail(_timed(found, sources[0], options))
+    if options.drop_damaged:
+        found = _without_damage(found)
+    t = np.asarray(found.t)
+    if len(t) and np.isfinite(t[0]) and abs(t[0]) > 1e5:
+        found = found.noted(f"time counted from the first pose, recorded as {t[0]:.3f} s")
+        t = t - t[0]
+    return Run(
+        name=name,
+        t=np.ascontiguousarray(t),
+        poses=np.ascontiguousarray(found.poses),
+        commands=found.commands,
+        intervention=found.intervention,
+        clearance=found.clearance,
+        status=found.status,
+        parameters=found.parameters,
+        notes=found.notes,
+        sources=sources,
+        timed=timed,
+    )
 
 
-def _find(file: Path, kind: str, options: ReadOptions) -> Found:
-    where = str(file)
-    if kind == "text":
-        t, poses, notes, said = read_text(file, options.layout, options.columns)
-        return Found(t, poses, tuple(notes), parameters=said)
-    if kind == "npz":
-        return poses_among(read_npz(file), where, options, "NumPy archive")
-    if kind == "mat":
-        variables, version = read_mat(file)
-        return poses_among(variables, where, options, f"{version} file")
-    array = read_npy(file)
-    if array.dtype.names is not None:
-        return poses_among(fields_of(array, where), where, options, "structured NumPy array")
-    return poses_of_array(floats(array, where), where, options)
+def _timed(found: Found, where: str, options: ReadOptions) -> Found:
+    """Give each pose its seconds: the file's own, or counted in the steps that are known."""
+    if found.t is None:
+        dt = options.dt or found.dt
+        if dt is None:
+            raise LayoutError(
+                f"{where}: no time in it; say the seconds between samples, for example "
+                "--dt 0.033 (the testbed's step)"
+            )
+        t: Floats = dt * np.arange(len(found.poses), dtype=float)
+        found = found.noted(f"no time in the file: samples {dt:g} s apart")
+    else:
+        t = found.t
+        if options.dt is not None:
+            found = found.noted("--dt not used: the file has times of its own")
+    if len(t) != len(found.poses):
+        raise LogError(f"{where}: {len(t)} times for {len(found.poses)} poses")
+    if (step := _usual_step(t)) > LONGEST_STEP:
+        raise LayoutError(
+            f"{where}: {step:g} s from one pose to the next, expected at most {LONGEST_STEP:g} s: "
+            "are the times in milliseconds? Write them in seconds, or name the column time_ms"
+        )
+    return replace(found, t=t)
 
 
 def _usual_step(t: Floats) -> float:
@@ -176,60 +184,23 @@ def _usual_step(t: Floats) -> float:
         return float(np.median(np.diff(known))) if len(known) > 1 else 0.0
 
 
-def _recording(found: Found, name: str, sources: tuple[str, ...], options: ReadOptions) -> Run:
-    where = sources[0]
-    poses = found.poses
-    steps = dict(found.steps)
-    if found.commands is not None:
-        steps["command"] = found.commands
-    notes = list(found.notes)
+def _without_tail(found: Found) -> Found:
+    """Cut off rows that were prepared and never filled."""
+    reached, rows = _reached(found.poses), len(found.poses)
+    if reached == rows:
+        return found
+    note = f"cut at row {reached} of {rows}: the rest was never filled in"
+    return found.noted(note).rows(slice(reached))
+
+
+def _without_damage(found: Found) -> Found:
+    """Leave out rows that are not finite; their place in time is a gap."""
+    sound = np.asarray(np.isfinite(found.poses).all(axis=(1, 2)))
     if found.t is not None:
-        t = found.t
-        if options.dt is not None:
-            notes.append("--dt not used: the file has times of its own")
-    else:
-        dt = options.dt or found.dt
-        if dt is None:
-            raise LayoutError(
-                f"{where}: no time in it; say the seconds between samples, for example "
-                "--dt 0.033 (the testbed's step)"
-            )
-        t = dt * np.arange(len(poses), dtype=float)
-        notes.append(f"no time in the file: samples {dt:g} s apart")
-    if len(t) != len(poses):
-        raise LogError(f"{where}: {len(t)} times for {len(poses)} poses")
-    if (step := _usual_step(t)) > LONGEST_STEP:
-        raise LayoutError(
-            f"{where}: {step:g} s from one pose to the next, expected at most {LONGEST_STEP:g} s: "
-            "are the times in milliseconds? Write them in seconds, or name the column time_ms"
-        )
-    reached = _reached(poses)
-    if reached < len(poses):
-        notes.append(f"cut at row {reached} of {len(poses)}: the rest was never filled in")
-        poses, t = poses[:reached], t[:reached]
-        steps = {name: values[:reached] for name, values in steps.items()}
-    if options.drop_damaged and len(poses):
-        sound = np.isfinite(poses).all(axis=(1, 2)) & np.isfinite(t)
-        if not sound.all():
-            notes.append(f"{int((~sound).sum())} damaged row(s) left out, as asked")
-            poses, t = poses[sound], t[sound]
-            steps = {name: values[sound] for name, values in steps.items()}
-    if len(t) and np.isfinite(t[0]) and abs(t[0]) > 1e5:
-        notes.append(f"time counted from the first pose, recorded as {t[0]:.3f} s")
-        t = t - t[0]
-    return Run(
-        name=name,
-        t=np.ascontiguousarray(t),
-        poses=np.ascontiguousarray(poses),
-        commands=steps.get("command"),
-        intervention=steps.get("intervention"),
-        clearance=steps.get("clearance"),
-        status=steps.get("status"),
-        parameters=found.parameters,
-        notes=tuple(notes),
-        sources=sources,
-        timed=found.t is not None,
-    )
+        sound &= np.isfinite(found.t)
+    if sound.all():
+        return found
+    return found.noted(f"{int((~sound).sum())} damaged row(s) left out, as asked").rows(sound)
 
 
 def _reached(poses: Floats) -> int:
@@ -243,7 +214,7 @@ def _reached(poses: Floats) -> int:
 
 def _complementary(files: list[Path]) -> dict[str, NDArray[Any]] | None:
     """Return the files as named arrays when one of them is a time, or they are x, y and θ."""
-    if any(_kind(file) != "npy" for file in files):
+    if any(form_of(file) is not NPY for file in files):
         return None
     # run3_x, run3_y and run3_theta are x, y and theta.
     starts = {file.stem.rpartition("_")[0] + "_" for file in files}

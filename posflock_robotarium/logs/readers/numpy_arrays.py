@@ -1,4 +1,4 @@
-"""NumPy files: ``.npy`` (plain or structured) and ``.npz``. Pickled objects are refused.
+"""``.npy`` files, plain or structured. Pickled objects are refused.
 
 The header is read before any data: what it promises must be in the file, byte for byte, so that a
 damaged header costs an error and not gigabytes.
@@ -7,8 +7,6 @@ damaged header costs an error and not gigabytes.
 from __future__ import annotations
 
 import math
-import zipfile
-import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import IO, Any
@@ -18,14 +16,61 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.logs.readers.forms import Form, Sign
+from posflock_robotarium.logs.readers.found import Found, ReadOptions
+from posflock_robotarium.logs.readers.layouts import increases, to_poses
+from posflock_robotarium.logs.readers.named_arrays import floats, poses_among
 
 Floats = NDArray[np.float64]
+
+SIGNATURE = b"\x93NUMPY"
 
 LARGEST = 1 << 30
 """Bytes of one array beyond which a file is refused (900 s of 50 robots are 33 MB)."""
 
-LARGEST_ARCHIVE = 1 << 28
-"""Bytes to which an archive may unpack."""
+
+def find(file: Path, options: ReadOptions) -> Found:
+    """Find the poses in an array: among its fields, if it has any, else by its shape.
+
+    Raises
+    ------
+    LogError, LayoutError
+        When the file is damaged, or more than one reading fits.
+    """
+    array, where = read_npy(file), str(file)
+    if array.dtype.names is not None:
+        return poses_among(fields_of(array, where), where, options, "structured NumPy array")
+    return _by_shape(floats(array, where), where, options)
+
+
+NPY = Form(
+    name="npy",
+    label="`.npy`",
+    summary="(T, 3, N), (3, N, T), (T, N, 3), (T, 3N), (3N, T), with a column of time or without; "
+    "structured",
+    told_by=Sign.SIGNATURE,
+    recognises=lambda file, start: start.startswith(SIGNATURE),
+    read=find,
+    endings=(".npy",),
+)
+
+
+def _by_shape(array: Floats, where: str, options: ReadOptions) -> Found:
+    """Find the poses, and a time if there is one, in a single array without names."""
+    notes = [f"NumPy array of shape {array.shape}"]
+    t: Floats | None = None
+    layout = options.layout
+    if array.ndim == 2 and layout is None and array.size:
+        # One row or column more than three a robot, and always increasing: that is the time.
+        for axis, name in ((1, "T,3N"), (0, "3N,T")):
+            if array.shape[axis] % 3 == 1 and array.shape[axis] > 3 and array.shape[1 - axis] > 1:
+                first = array[:, 0] if axis else array[0]
+                if increases(first):
+                    t, array, layout = first, array[:, 1:] if axis else array[1:], name
+                    notes.append("first row or column increases throughout: taken for the time")
+                    break
+    poses, how = to_poses(array, where, layout, options.order)
+    return Found(t, poses, (*notes, how))
 
 
 def read_npy(path: Path) -> NDArray[Any]:
@@ -49,7 +94,7 @@ def read_npy(path: Path) -> NDArray[Any]:
     if path.stat().st_size == 0:
         raise LogError(f"{path}: empty file")
     with path.open("rb") as file:
-        shape, dtype = _header(file, str(path))
+        shape, dtype = read_header(file, str(path))
         offset = file.tell()
     promised = offset + math.prod(shape) * dtype.itemsize
     there = path.stat().st_size
@@ -67,8 +112,8 @@ def read_npy(path: Path) -> NDArray[Any]:
         raise LogError(f"{path}: not a readable NumPy file ({error})") from error
 
 
-def read_npz(path: Path) -> dict[str, NDArray[Any]]:
-    """Read every array of a ``.npz`` archive.
+def read_header(file: IO[bytes], where: str) -> tuple[tuple[int, ...], np.dtype[Any]]:
+    """Return the shape and the type that the header of an array promises.
 
     Parameters
     ----------
@@ -83,42 +128,8 @@ def read_npz(path: Path) -> dict[str, NDArray[Any]]:
     Raises
     ------
     LogError
-        When the archive is damaged, holds pickled objects or claims more than it can hold.
+        When it is no header, or promises pickled objects or a negative length.
     """
-    arrays: dict[str, NDArray[Any]] = {}
-    try:
-        with zipfile.ZipFile(path) as archive:
-            members = [info for info in archive.infolist() if info.filename.endswith(".npy")]
-            if sum(info.file_size for info in members) > LARGEST_ARCHIVE:
-                raise LogError(f"{path}: claims more than {LARGEST_ARCHIVE >> 20} MB when unpacked")
-            for info in members:
-                name = info.filename[:-4]
-                with archive.open(info) as file:
-                    where = f"{path}: {name}"
-                    shape, dtype = _header(file, where)
-                    size = math.prod(shape) * dtype.itemsize
-                    if size > info.file_size:
-                        raise LogError(f"{where}: cut off, {info.file_size} bytes of {size}")
-                with archive.open(info) as file:
-                    arrays[name] = npy.read_array(file, allow_pickle=False)
-    except (
-        zipfile.BadZipFile,
-        zlib.error,
-        ValueError,
-        OSError,
-        EOFError,
-        KeyError,
-        RuntimeError,  # an encrypted member
-        NotImplementedError,  # a compression that zipfile does not know
-        OverflowError,
-    ) as error:
-        raise LogError(f"{path}: not a readable .npz archive ({error})") from error
-    if not arrays:
-        raise LogError(f"{path}: no array in it")
-    return arrays
-
-
-def _header(file: IO[bytes], where: str) -> tuple[tuple[int, ...], np.dtype[Any]]:
     try:
         version = npy.read_magic(file)
         if version == (1, 0):

@@ -1,0 +1,251 @@
+"""Arguments and options of the commands: each name, help and range once, by what it is about.
+
+A command writes ``layout: Layout = None``; what two commands share stands here, and so does what
+would hide a command's work behind a table of options.
+"""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+# --- What several commands ask ----------------------------------------------------------------
+
+Script = Annotated[Path, typer.Argument(help="The experiment's main file.", show_default=False)]
+Profile = Annotated[
+    str, typer.Option(help="Imperfections: ideal, gritsbot_x, harsh, or a TOML file.")
+]
+Workers = Annotated[int | None, typer.Option(min=1, help="Processes; by default one a processor.")]
+
+# --- Logs and how to read them ------------------------------------------------------------------
+
+Logs = Annotated[
+    list[Path],
+    typer.Argument(help="Pose logs: ours, or .npy, .npz, .mat, CSV, text.", show_default=False),
+]
+Log = Annotated[Path, typer.Argument(help="Pose log of one run.", show_default=False)]
+CommandedLog = Annotated[
+    Path,
+    typer.Argument(
+        help="A pose log, or another file with poses, times and commands.", show_default=False
+    ),
+]
+Runs = Annotated[
+    list[Path], typer.Argument(help="Logs, or saved analyses (.analysis.npz).", show_default=False)
+]
+Layout = Annotated[
+    str | None,
+    typer.Option(help="Axes of an array: T,3,N  3,N,T  T,N,3  T,3N  3N,T", show_default=False),
+]
+Columns = Annotated[
+    str | None,
+    typer.Option(
+        help="Order of columns: state (x1…xN, y1…), robot (x1, y1, θ1, x2…), or all their names.",
+        show_default=False,
+    ),
+]
+Step = Annotated[
+    float | None, typer.Option("--dt", help="Seconds between samples.", show_default=False)
+]
+Array = Annotated[
+    str | None, typer.Option(help="Which array of a file is the poses.", show_default=False)
+]
+DropDamaged = Annotated[
+    bool, typer.Option("--drop-damaged", help="Leave out rows that are not finite, as gaps.")
+]
+Joined = Annotated[bool, typer.Option("--join", help="The files are parts of one run.")]
+
+# --- How to analyse them ------------------------------------------------------------------------
+
+Radius = Annotated[
+    float | None,
+    typer.Option(help="Neighbour radius in metres; the log's own by default.", show_default=False),
+]
+Window = Annotated[float, typer.Option(help="Seconds of the Savitzky-Golay window.")]
+Slowest = Annotated[float, typer.Option(help="m/s up to which a robot has no direction.")]
+Settle = Annotated[
+    float | None,
+    typer.Option(
+        help="Seconds at the start that settled means leave out; 20 by default, none of a shorter "
+        "run.",
+        show_default=False,
+    ),
+]
+ReportFolder = Annotated[
+    Path, typer.Option("-o", "--out", help="Folder for everything that is written.")
+]
+Latex = Annotated[bool, typer.Option("--latex", help="Also write table.tex.")]
+Figures = Annotated[bool, typer.Option(help="Draw figures/*.pdf and *.png.")]
+SummaryAsJson = Annotated[
+    bool, typer.Option("--json", help="Print the summary as JSON, nothing else.")
+]
+OverlaidReport = Annotated[
+    Path | None,
+    typer.Option("-o", "--out", help="Also write the overlaid report here.", show_default=False),
+]
+Labels = Annotated[
+    str | None,
+    typer.Option(
+        help="What each run counts as, in order: simulation,testbed,… Runs that share a label "
+        "are averaged.",
+        show_default=False,
+    ),
+]
+ResimulatedUnder = Annotated[
+    str | None,
+    typer.Option(
+        "--resimulate",
+        help="Add each log's commands, simulated under this realism profile: its name, a TOML "
+        "file, or 'calibrated' to fit one to the log first.",
+        show_default=False,
+    ),
+]
+
+# --- Films, other formats, profiles -------------------------------------------------------------
+
+Film = Annotated[Path, typer.Option("--video", help="The film: .mp4 or .gif.", show_default=False)]
+FramesPerSecond = Annotated[
+    float | None,
+    typer.Option(help="Frames a second; 20 for .mp4, 12.5 for .gif.", show_default=False),
+]
+Speed = Annotated[float, typer.Option(help="Seconds of the run a second of film.")]
+Format = Annotated[
+    str,
+    typer.Option(
+        "--to", help="npy (a pose log), mat, csv, npz or mcap (for Foxglove).", show_default=False
+    ),
+]
+ConvertedFile = Annotated[
+    Path | None,
+    typer.Option("-o", "--out", help="The file; beside the log by default.", show_default=False),
+]
+FittedProfile = Annotated[Path, typer.Option("--out", "-o", help="The realism profile to write.")]
+ProfileName = Annotated[str, typer.Option(help="What the profile is to be called.")]
+Pooled = Annotated[
+    bool, typer.Option("--pooled", help="Distributions over robots, for any number of them.")
+]
+ResimulatedLog = Annotated[
+    Path | None,
+    typer.Option(
+        "--resimulate",
+        help="Also write a log here: the same commands, simulated with the profile.",
+    ),
+]
+EstimatesAsJson = Annotated[bool, typer.Option("--json", help="Print all estimates as JSON.")]
+
+# --- Running a script ---------------------------------------------------------------------------
+
+ScriptAndArguments = Annotated[Path, typer.Argument(help="The script; what follows it is its own.")]
+FoundGeneration = Annotated[
+    int | None, typer.Option(min=1, max=2, help="Of the API. Default: found in the source.")
+]
+Headless = Annotated[
+    bool | None,
+    typer.Option("--headless/--window", help="No window, no waiting. Default without a display."),
+]
+Initial = Annotated[
+    str,
+    typer.Option(
+        help="How robots come to their initial conditions: published, exact, arrive (within "
+        "the testbed's 5 cm and 0.2 rad) or drive."
+    ),
+]
+ScriptSeed = Annotated[
+    int | None,
+    typer.Option(
+        help="Seed of Python's and numpy's global generators: on one machine, the same bytes."
+    ),
+]
+StopAfter = Annotated[float | None, typer.Option(help="Stop the script after so many seconds.")]
+Answers = Annotated[
+    list[str] | None, typer.Option("--input", help="An answer to input(); repeatable.")
+]
+Snapshots = Annotated[str, typer.Option(help="Save the figure at these seconds: 0,10,end")]
+RunFilm = Annotated[
+    Path | None, typer.Option(help="Film the run, in the output folder: run.mp4 or .gif")
+]
+RunFolder = Annotated[
+    Path | None,
+    typer.Option("-o", "--out", help="Folder for log, report, pictures. Default runs/SCRIPT."),
+]
+ReportAsJson = Annotated[bool, typer.Option("--json", help="Print the report as JSON.")]
+
+# --- Verifying and submitting -------------------------------------------------------------------
+
+Trials = Annotated[
+    int | None,
+    typer.Option(
+        "--trials", "-n", help="Runs with imperfections. Default: 20, with --effect 5 each."
+    ),
+]
+Declared = Annotated[
+    float | None,
+    typer.Option("--duration", "-d", help="Seconds you will declare at submission, if known."),
+]
+TestbedGeneration = Annotated[
+    int, typer.Option(help="Generation of the API on the testbed, 1 or 2.")
+]
+FirstSeed = Annotated[int, typer.Option(help="First seed of the trials.")]
+VerifyFolder = Annotated[
+    Path | None, typer.Option("--out", "-o", help="Folder for verify.html and verify.json.")
+]
+VerifyAsJson = Annotated[bool, typer.Option("--json", help="Print verify.json, and nothing else.")]
+Effects = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--effect", help="Instead: run under this imperfection alone; 'each' for each in turn."
+    ),
+]
+Jobs = Annotated[
+    int | None, typer.Option(min=1, help="Trials at a time. Default: one a processor.")
+]
+Stall = Annotated[float, typer.Option(help="Seconds without a step after which a trial hangs.")]
+TrialSeconds = Annotated[float, typer.Option(help="Seconds that a trial may take.")]
+TrialMemory = Annotated[float, typer.Option(help="GiB that a trial may allocate.")]
+
+BundleFolder = Annotated[
+    Path,
+    typer.Option(
+        "--out", "-o", help="Folder to write: new, empty or a bundle.", show_default=False
+    ),
+]
+DataFiles = Annotated[
+    list[Path] | None, typer.Option(help="A data file to take along; may be repeated.")
+]
+RunOnce = Annotated[
+    bool, typer.Option(help="Run the script once to learn what to enter for robots and duration.")
+]
+LargestUpload = Annotated[
+    float | None, typer.Option(help="Largest upload in MiB. Default: no limit.")
+]
+WrittenAsJson = Annotated[bool, typer.Option("--json", help="Print what was written as JSON.")]
+
+Bundled = Annotated[
+    Path, typer.Argument(help="A bundle, made by `posflock bundle`.", show_default=False)
+]
+ReturnFolder = Annotated[
+    Path, typer.Option("--out", "-o", help="New or empty folder for what comes back.")
+]
+DeclaredDuration = Annotated[
+    float, typer.Option("--duration", "-d", help="Declared duration, seconds.")
+]
+TestbedSeed = Annotated[int, typer.Option(help="Of everything random that is the testbed's.")]
+Generation = Annotated[int, typer.Option(help="Generation of the API, 1 or 2.")]
+TestbedInitial = Annotated[
+    str, typer.Option(help="arrive (within 5 cm and 0.2 rad), exact, or drive.")
+]
+RealSeconds = Annotated[float, typer.Option(help="Seconds of real time it may take.")]
+WithReport = Annotated[bool, typer.Option(help="Open returned pose logs with posflock report.")]
+OutcomeAsJson = Annotated[bool, typer.Option("--json", help="Print the outcome as JSON.")]
+
+# --- Studies ------------------------------------------------------------------------------------
+
+StudyFile = Annotated[Path, typer.Argument(help="A study file, TOML.")]
+StudyFolder = Annotated[
+    Path | None,
+    typer.Option("--out", "-o", help="Folder; by default results/ and the study's name."),
+]
+Scheduler = Annotated[
+    str | None, typer.Option(metavar="ADDRESS", help="Send the runs to this Dask scheduler.")
+]
+DoneAsJson = Annotated[bool, typer.Option("--json", help="Print what was done as JSON.")]

@@ -1,0 +1,102 @@
+"""What a reader is told about a file, and what it finds in it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from posflock_robotarium.flocking.errors import ParameterError
+from posflock_robotarium.logs.readers.layouts import COLUMN_ORDERS
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ReadOptions:
+    """What the user says about a file that does not say it itself.
+
+    Parameters
+    ----------
+    layout : str, optional
+        Axes of the array, one of ``T,3,N``, ``3,N,T``, ``T,N,3``, ``T,3N``, ``3N,T``.
+    columns : str, optional
+        ``state`` (x1…xN, y1…yN, …), ``robot`` (x1, y1, θ1, x2, …) or the names of all columns.
+    dt : float, optional
+        Seconds between samples, for files without time.
+    array : str, optional
+        Which array of a file with several holds the poses.
+    drop_damaged : bool
+        Leave rows with values that are not finite out, and keep their place as a gap.
+    """
+
+    layout: str | None = None
+    columns: str | None = None
+    dt: float | None = None
+    array: str | None = None
+    drop_damaged: bool = False
+
+    def __post_init__(self) -> None:
+        if self.dt is not None and not (np.isfinite(self.dt) and self.dt > 0):
+            raise ParameterError(f"--dt is {self.dt}; expected seconds between samples, above 0")
+
+    @property
+    def order(self) -> str | None:
+        """The column order, when `columns` is one and not a list of names."""
+        return self.columns if self.columns in COLUMN_ORDERS else None
+
+
+@dataclass(frozen=True)
+class Found:
+    """Poses as found in a file, before they are checked.
+
+    Attributes
+    ----------
+    t : ndarray, shape (T,), optional
+        Seconds; None where the file has no times.
+    poses : ndarray, shape (T, 3, N)
+        Metres and radians.
+    notes : tuple of str
+        How the file was read, one sentence a decision.
+    commands : ndarray, shape (T, 2, N), optional
+        Commanded linear (m/s) and angular (rad/s) velocity.
+    dt : float, optional
+        Seconds between samples, where the file says it instead of times.
+    intervention, clearance, status : ndarray, shape (T,), optional
+        What the certificate did at each step, as `Run` has it.
+    parameters : mapping
+        What the file says about the run.
+    """
+
+    t: Floats | None
+    poses: Floats
+    notes: tuple[str, ...]
+    commands: Floats | None = None
+    dt: float | None = None
+    intervention: Floats | None = None
+    clearance: Floats | None = None
+    status: NDArray[np.str_] | None = None
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+
+    def noted(self, note: str) -> Found:
+        """Return the same with one more note."""
+        return replace(self, notes=(*self.notes, note))
+
+    def rows(self, chosen: slice | NDArray[np.bool_]) -> Found:
+        """Return some of the samples."""
+
+        def of(column: NDArray[Any] | None) -> Any:
+            return None if column is None else column[chosen]
+
+        return replace(
+            self,
+            t=of(self.t),
+            poses=self.poses[chosen],
+            commands=of(self.commands),
+            intervention=of(self.intervention),
+            clearance=of(self.clearance),
+            status=of(self.status),
+        )

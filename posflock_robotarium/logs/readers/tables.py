@@ -1,0 +1,198 @@
+"""A rectangle of numbers in a text file, and the names of its columns where there are any.
+
+Whatever separates the cells, wherever comments stand: damage is told with file, line and reason.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.logs.readers import parameters
+from posflock_robotarium.logs.readers.names import names_a_column
+
+Floats = NDArray[np.float64]
+
+LARGEST = 1 << 30
+"""Bytes of text beyond which a file is refused (900 s of 50 robots are 60 MB)."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """Numbers of a text file, and what it says about them.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    values : ndarray, shape (rows, columns)
+        The numbers.
+    names : tuple of str
+        The header: a name a column, or none at all.
+    delimiter : str
+        What separates the cells; a blank stands for any white space.
+    parameters : mapping
+        What a comment above the table says about the run.
+    decimal_comma : bool
+        Whether commas between digits were read as decimal points.
+    """
+
+    path: Path
+    values: Floats
+    names: tuple[str, ...]
+    delimiter: str
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    decimal_comma: bool = False
+
+
+def read_table(path: Path) -> Table:
+    """Read a rectangular table of numbers.
+
+    Parameters
+    ----------
+    path : Path
+        Comma, semicolon, tab or blank separated; ``#`` and ``%`` start comments.
+
+    Returns
+    -------
+    Table
+        Values of shape (rows, columns).
+
+    Raises
+    ------
+    LogError
+        With file, line and reason, when a cell is not a number or rows differ in length.
+    """
+    size = path.stat().st_size
+    if size > LARGEST:
+        raise LogError(f"{path}: {size / 1e9:.1f} GB of text; convert it to .npy first")
+    raw = path.read_bytes()
+    if b"\0" in raw[:4096]:
+        raise LogError(f"{path}: a binary file, not text; expected .npy, .npz, .mat or CSV")
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = raw.count(b"\n", 0, error.start) + 1
+        raise LogError(f"{path}: line {line}: not UTF-8 text") from error
+    lines = text.splitlines()
+    start = next((i for i, line in enumerate(lines) if _content(line)), None)
+    if start is None:
+        raise LogError(f"{path}: empty, no row of numbers in it")
+    delimiter = _delimiter(_content(lines[start]))
+    # Between semicolons, and with no point in any row, a comma is a decimal one (Excel in Europe).
+    rows = lines[start + 1 :] or lines[start:]
+    decimal_comma = (
+        delimiter == ";"
+        and any("," in _content(line) for line in rows)
+        and not any("." in _content(line) for line in rows)
+    )
+    if decimal_comma:
+        lines = lines[:start] + [line.replace(",", ".") for line in lines[start:]]
+    names: tuple[str, ...] = ()
+    cells = _split(_content(lines[start]), delimiter)
+    if not any(_is_number(cell) for cell in cells):
+        names = tuple(cell.strip().strip("\"'").strip() for cell in cells)
+        start += 1
+    elif (comment := _commented_header(lines, start, delimiter)) is not None:
+        names = comment
+    values = _numbers(path, lines, start, delimiter)
+    if names and len(names) != values.shape[1]:
+        raise LogError(
+            f"{path}: the header names {len(names)} columns, the rows have {values.shape[1]}"
+        )
+    said = _parameters(path, lines[:start])
+    return Table(path, values, names, delimiter, said, decimal_comma)
+
+
+def _content(line: str) -> str:
+    """Return the line without its comment; blank when nothing is left."""
+    for mark in "#%":
+        line = line.split(mark, 1)[0]
+    return line.strip()
+
+
+def _parameters(path: Path, above: list[str]) -> dict[str, Any]:
+    """Read the comment in which a converted log carries its parameters."""
+    mark = f"# {parameters.NAME}: "
+    for number, line in enumerate(above, start=1):
+        if line.startswith(mark):
+            return parameters.from_json(line[len(mark) :], f"{path}: line {number}")
+    return {}
+
+
+def _commented_header(lines: list[str], start: int, delimiter: str) -> tuple[str, ...] | None:
+    """``numpy.savetxt(header=…)`` writes the header as a comment: use it if it names columns."""
+    for line in reversed(lines[:start]):
+        stripped = line.strip()
+        if stripped[:1] in ("#", "%"):
+            cells = _split(stripped.lstrip("#% "), delimiter)
+            words = [cell.strip().lower() for cell in cells]
+            if len(words) > 2 and all(map(names_a_column, words)):
+                return tuple(cell.strip() for cell in cells)
+            return None
+    return None
+
+
+def _delimiter(line: str) -> str:
+    return next((mark for mark in (";", ",", "\t") if mark in line), " ")
+
+
+def _split(line: str, delimiter: str) -> list[str]:
+    if delimiter == " ":
+        return line.split()
+    return next(csv.reader([line], delimiter=delimiter))
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+def _numbers(path: Path, lines: list[str], start: int, delimiter: str) -> Floats:
+    body = "\n".join(lines[start:])
+    if not any(_content(line) for line in lines[start : start + 100]):
+        body = "\n".join(line for line in lines[start:] if _content(line))
+    if not body:
+        raise LogError(f"{path}: a header and no row of numbers")
+    try:
+        values = np.loadtxt(
+            io.StringIO(body),
+            delimiter=None if delimiter == " " else delimiter,
+            comments=["#", "%"],
+            ndmin=2,
+            dtype=np.float64,
+        )
+    except ValueError as error:
+        raise LogError(_first_fault(path, lines, start, delimiter, str(error))) from error
+    if values.size == 0:
+        raise LogError(f"{path}: empty, no row of numbers in it")
+    return values
+
+
+def _first_fault(path: Path, lines: list[str], start: int, delimiter: str, other: str) -> str:
+    """Say which line is wrong, and why, in the file's own counting."""
+    width: int | None = None
+    for number, line in enumerate(lines[start:], start=start + 1):
+        content = _content(line)
+        if not content:
+            continue
+        cells = _split(content, delimiter)
+        width = len(cells) if width is None else width
+        if len(cells) != width:
+            return f"{path}: line {number}: {len(cells)} columns, the lines before have {width}"
+        for column, cell in enumerate(cells, start=1):
+            if not _is_number(cell.strip()):
+                shown = cell.strip()[:40] or "(empty)"
+                return f"{path}: line {number}: column {column} is {shown!r}, not a number"
+    return f"{path}: not a table of numbers ({other})"

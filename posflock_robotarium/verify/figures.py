@@ -1,0 +1,134 @@
+"""The figures of a verify report: what a reader wants to know even where nothing is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from posflock_robotarium.verify.findings import Code, wilson_interval
+from posflock_robotarium.verify.timing import recommended_duration
+from rps_compat import testbed
+
+if TYPE_CHECKING:
+    from rps_compat.running.outcome import Gap, LoopTimes, Outcome
+
+
+@dataclass(frozen=True)
+class Smallest:
+    """The smallest of some distance in the ideal run and in all trials, m; None where unknown."""
+
+    ideal: float | None
+    trials: float | None
+
+
+@dataclass(frozen=True)
+class Hits:
+    """In how many of how many trials something happened."""
+
+    hits: int
+    trials: int
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """95 % confidence interval of the proportion of runs."""
+        return wilson_interval(self.hits, self.trials)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return what ``verify.json`` holds of it."""
+        return {"trials": self.trials, "hits": self.hits, "interval": list(self.interval)}
+
+
+@dataclass(frozen=True)
+class Figures:
+    """What the ideal run and the trials measured.
+
+    Attributes
+    ----------
+    robots : int
+        How many the script drives.
+    steps : int
+        Of the ideal run.
+    run_seconds : float
+        Length of the ideal run, without the drive to the initial conditions.
+    loop : LoopTimes, optional
+        How long the script takes from one step to the next.
+    largest_wheel_speed : float
+        The fastest wheel that it asks for beyond the limit, rad/s.
+    gap, wall_gap : Smallest
+        Between two centres, and between a centre and a wall.
+    collisions, outside : Hits, optional
+        Trials with a collision, and with a robot outside; None where no trial stepped.
+    """
+
+    robots: int
+    steps: int
+    run_seconds: float
+    loop: LoopTimes | None
+    largest_wheel_speed: float
+    gap: Smallest
+    wall_gap: Smallest
+    collisions: Hits | None
+    outside: Hits | None
+
+    @property
+    def recommended_duration(self) -> float:
+        """Seconds to declare."""
+        return recommended_duration(self.run_seconds)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return what ``verify.json`` holds; docs/verify.md describes it."""
+        least, median, most = testbed.INITIAL_DRIVE
+        loop = self.loop
+        out: dict[str, Any] = {
+            "robots": self.robots,
+            "steps": self.steps,
+            "run_seconds": self.run_seconds,
+            "initial_drive_seconds": {"least": least, "median": median, "most": most},
+            "predicted_seconds": self.run_seconds + median,
+            "recommended_duration": self.recommended_duration,
+            "loop_milliseconds": {}
+            if loop is None
+            else {"p50": 1000 * loop.p50, "p99": 1000 * loop.p99, "max": 1000 * loop.longest},
+            "largest_wheel_speed": self.largest_wheel_speed,
+            "smallest_gap": {"ideal": self.gap.ideal},
+            "smallest_wall_gap": {"ideal": self.wall_gap.ideal},
+        }
+        if self.collisions is not None and self.outside is not None:
+            out["smallest_gap"]["trials"] = self.gap.trials
+            out["smallest_wall_gap"]["trials"] = self.wall_gap.trials
+            out["collision_runs"] = self.collisions.as_dict()
+            out["boundary_runs"] = self.outside.as_dict()
+        return out
+
+
+def figures_of(ideal: Outcome, trials: Sequence[Outcome]) -> Figures | None:
+    """Return the figures of an ideal run and its trials; None where the ideal run never stepped."""
+    report = ideal.report
+    if not ideal.steps or report is None or ideal.clock is None:
+        return None
+    ran = [outcome for outcome in trials if outcome.steps]
+    return Figures(
+        robots=report.number_of_robots,
+        steps=ideal.steps,
+        run_seconds=ideal.clock,
+        loop=ideal.loop,
+        largest_wheel_speed=report.largest_wheel_velocity,
+        gap=Smallest(metres(ideal.smallest_gap), _least(o.smallest_gap for o in ran)),
+        wall_gap=Smallest(metres(ideal.wall_gap), _least(o.wall_gap for o in ran)),
+        collisions=_hits(ran, Code.COLLISION),
+        outside=_hits(ran, Code.BOUNDARY),
+    )
+
+
+def metres(gap: Gap | None) -> float | None:
+    """Return the length of a gap; None where it is unknown."""
+    return None if gap is None else gap.metres
+
+
+def _least(gaps: Iterable[Gap | None]) -> float | None:
+    return min((gap.metres for gap in gaps if gap is not None), default=None)
+
+
+def _hits(ran: Sequence[Outcome], kind: Code) -> Hits | None:
+    return Hits(sum(bool(outcome.faults(kind)) for outcome in ran), len(ran)) if ran else None

@@ -1,0 +1,44 @@
+"""What the verifier asks the fork server for: trials, and what each may use; one line of JSON."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+
+from rps_compat.running.plan import RunPlan
+
+
+@dataclass(frozen=True)
+class Request:
+    """Trials to be run.
+
+    Attributes
+    ----------
+    plans : tuple of RunPlan
+        The trials.
+    preload : tuple of str
+        Modules to import once, before any trial is forked.
+    jobs : int
+        Trials at a time.
+    stall : float
+        Seconds of computing without a step after which a trial is ended.
+    seconds : float
+        Seconds of computing after which a trial is ended.
+    """
+
+    plans: tuple[RunPlan, ...]
+    preload: tuple[str, ...]
+    jobs: int
+    stall: float
+    seconds: float
+
+    def line(self) -> str:
+        """Return the request as one line."""
+        return json.dumps(asdict(self)) + "\n"
+
+    @classmethod
+    def of(cls, line: str) -> Request:
+        """Read the line of `line`."""
+        said = json.loads(line)
+        plans = tuple(RunPlan.from_dict(plan) for plan in said.pop("plans"))
+        return cls(plans, tuple(said.pop("preload")), **said)
