@@ -12,10 +12,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NoReturn
 
+from rps_compat.run_folder import claimed_folder
 from rps_compat.run_settings import RunSettings
 from rps_compat.runner import run_script
 from rps_compat.running.ending import end_process, leave
 from rps_compat.running.outcome import Outcome, summary
+from rps_compat.scripts.evidence import evidence_in
 from rps_compat.surroundings import stdout_on_stderr
 
 
@@ -30,7 +32,8 @@ def run_and_tell(
     Parameters
     ----------
     script, arguments, settings
-        As `run_script` takes them.
+        As `run_script` takes them; without an output folder it is ``runs/SCRIPT``, and either way
+        the folder is this process's until it ends.
     as_json
         Print the result as JSON and alone; the script then talks on stderr.
     """
@@ -45,7 +48,9 @@ def run_and_tell(
             tell(result)
             end_process(result.exit_code)
 
-        result = run_script(script, arguments, replace(settings, end_process=give_up))
+        evidence_in(script.resolve())  # no script, no folder
+        out = claimed_folder(settings.out, script)
+        result = run_script(script, arguments, replace(settings, out=out, end_process=give_up))
         tell(result)
     leave(result.exit_code, ours)
     return result.exit_code

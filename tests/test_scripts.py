@@ -4,6 +4,7 @@ import json
 import shutil
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -332,3 +333,37 @@ def test_script_that_is_none(tmp_path):
     (tmp_path / "text.py").write_text("once upon a time")
     with pytest.raises(ScriptError, match="line 1: not valid Python"):
         run_script(tmp_path / "text.py")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="folders have no locks there")
+def test_two_runs_at_once_do_not_write_into_one_folder(tmp_path):
+    shutil.copy(SCRIPTS / "runs_forever.py", tmp_path)
+    command = [sys.executable, "-m", "posflock_robotarium", "run", "--headless"]
+
+    def begin(*options):
+        return subprocess.Popen(
+            [*command, *options, "runs_forever.py"],
+            cwd=tmp_path,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+
+    first = begin("--timeout", "60")
+    try:
+        while not (tmp_path / "runs/runs_forever/poses.npy").exists():
+            assert first.poll() is None
+            time.sleep(0.05)
+        second = begin("--timeout", "0.5")
+        printed, _ = second.communicate(timeout=60)
+        assert "runs/runs_forever-2: " in printed
+        assert (tmp_path / "runs/runs_forever-2/report.txt").exists()
+        third = begin("--timeout", "0.5", "-o", "runs/runs_forever")
+        _, said = third.communicate(timeout=60)
+        assert third.returncode == 2
+        assert "another run is writing into this folder; choose another (-o)" in said
+        assert not (tmp_path / "runs/runs_forever/report.txt").exists()
+    finally:
+        first.kill()
+        first.communicate()
+    assert begin("--timeout", "0.5").communicate(timeout=60)[0].count("runs/runs_forever: ")

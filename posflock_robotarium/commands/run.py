@@ -48,7 +48,7 @@ def run(
         profile=load_profile(profile),
         timeout=timeout,
         answers=answer or (),
-        out=out or Path("runs") / script.stem,
+        out=out,
         snapshots=snapshot_times(snapshot),
         video=video,
         recorder=open_pose_log,
