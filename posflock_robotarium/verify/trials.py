@@ -350,7 +350,8 @@ def _content(path: Path) -> tuple[bool, int]:
             return reached > 0, reached
         return True, rows.size
     if ending == ".npz":
-        with np.load(path, allow_pickle=False) as arrays:
+        # Opened here: numpy leaves the file of a torn archive open.
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
             return True, sum(arrays[name].size for name in arrays)
     if ending == ".mat":
         from scipy.io import loadmat
