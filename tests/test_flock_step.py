@@ -64,7 +64,9 @@ class Reference:
         limits = self.certificate.polygon()
         for i in range(5):
             body = np.array([e[:, i] @ w[:, i], -e[1, i] * w[0, i] + e[0, i] * w[1, i]])
-            over = max(normal @ body / b for normal, b in zip(limits.normals.T, limits.bounds))
+            over = max(
+                normal @ body / b for normal, b in zip(limits.normals.T, limits.bounds, strict=True)
+            )
             w[:, i] /= max(1.0, over)
         self.velocity, info = self.certificate.project(w, poses)
         return self.certificate.commands(self.velocity, poses), info, turning
@@ -193,7 +195,7 @@ def test_a_duration_is_a_whole_number_of_steps(seconds, steps):
 
 @pytest.mark.parametrize("seconds", [0.0199, 0.0, -1.0, math.nan, math.inf])
 def test_a_duration_that_is_no_step_is_refused(seconds):
-    with pytest.raises(ParameterError, match="duration: expected at least one step of 0.04 s"):
+    with pytest.raises(ParameterError, match=r"duration: expected at least one step of 0\.04 s"):
         flock_of().steps_in(seconds)
 
 
