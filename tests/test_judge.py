@@ -196,6 +196,8 @@ def test_a_script_that_never_steps_is_told_only_that():
 def test_whether_the_loop_counts_its_steps_decides_between_long_and_endless():
     endless = ran(ended=Ended.OVER_TIME, clock=900.0, time=900.0)
     assert judged(endless) == [("endless", "RISK")]
+    (found,) = judge(endless, [], None, None, None, None, [])  # nobody says that it counts
+    assert found.code == "endless"
     assert judged(endless, counted=True) == [("duration", "FAIL")]
 
 

@@ -145,3 +145,14 @@ def test_parameters_are_finite_and_more_than_zero(name):
     for wrong in (0.0, -1.0, math.inf, math.nan):
         with pytest.raises(ParameterError, match=f"{name}: expected finite and more than zero"):
             SteeringParameters(**{name: wrong})
+
+
+@pytest.mark.parametrize("clear", [-1.0, 1.0, 1.5, -1.5, math.nan])
+def test_clear_is_a_cosine(clear):
+    SteeringParameters(clear=math.copysign(0.99, clear))
+    with pytest.raises(ParameterError, match="clear: expected a cosine between -1 and 1"):
+        SteeringParameters(clear=clear)
+
+
+def test_the_papers_experiment_is_steered_so():
+    assert SteeringParameters() == SteeringParameters(3.0, 0.18, 0.45, 0.2)

@@ -201,7 +201,7 @@ def main() -> int:
         parser.error(f"no module is called {', '.join(unknown)}; there are {', '.join(TARGETS)}")
     os.chdir(ROOT)
     sys.path.insert(0, str(ROOT))
-    for library in ("hypothesis", "matplotlib.pyplot", "numpy", "scipy.optimize", "scipy.signal"):
+    for library in ("hypothesis", "matplotlib.pyplot", "numpy", "pytest", "scipy.signal"):
         importlib.import_module(library)  # once, not for every mutant
     failed = False
     for name in options.targets or TARGETS:
