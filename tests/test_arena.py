@@ -132,6 +132,14 @@ def test_a_wheel_at_its_limit_is_not_over_it():
     assert arena.violations.largest_wheel_velocity == pytest.approx(18.75)
 
 
+def test_wheels_are_cut_both_ways_and_each_for_itself():
+    arena = arena_at((0, 0, 0), (0, 1, 0), (0, -1, 0))
+    arena.commands = np.array([[-1.0, 0.05, 1.0], [0.0, 0.0, 0.0]])
+    arena.step()
+    np.testing.assert_allclose(arena.poses[0], 0.033 * np.array([-0.2, 0.05, 0.2]), atol=1e-12)
+    np.testing.assert_allclose(arena.velocities[0], [-0.2, 0.05, 0.2], atol=1e-12)
+
+
 def test_the_test_of_logged_poses_names_their_rows():
     poses = np.zeros((6, 3, 2))
     poses[:, 0] = [-0.5, 0.5]

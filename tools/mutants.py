@@ -42,6 +42,8 @@ from mutations import mutations
 
 ROOT = Path(__file__).resolve().parents[1]
 MOST_SURVIVORS = 0.10
+#: Imported once, not for every mutant.
+PRELOADED = ("hypothesis", "matplotlib.pyplot", "numpy", "pytest", "scipy.signal")
 
 
 @dataclass(frozen=True)
@@ -201,8 +203,8 @@ def main() -> int:
         parser.error(f"no module is called {', '.join(unknown)}; there are {', '.join(TARGETS)}")
     os.chdir(ROOT)
     sys.path.insert(0, str(ROOT))
-    for library in ("hypothesis", "matplotlib.pyplot", "numpy", "pytest", "scipy.signal"):
-        importlib.import_module(library)  # once, not for every mutant
+    for library in PRELOADED:
+        importlib.import_module(library)
     failed = False
     for name in options.targets or TARGETS:
         found = mutants_of(TARGETS[name])

@@ -94,6 +94,8 @@ def _is_left_alone(node: ast.AST) -> bool:
         return ast.unparse(node.targets[0]) == "__all__"
     if isinstance(node, ast.If):
         return ast.unparse(node.test) == "TYPE_CHECKING"
+    if isinstance(node, ast.Subscript):
+        return ast.unparse(node.value) == "Literal"
     return isinstance(node, (ast.JoinedStr, ast.Raise, ast.Assert))
 
 
