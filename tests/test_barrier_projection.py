@@ -73,6 +73,23 @@ def test_what_has_to_give_way_is_named_the_furthest_from_holding_first():
     assert info.violation == worst.max() == worst[info.broken[0]]
 
 
+@pytest.mark.parametrize("solver", ["auto", "nnls", "clarabel"])
+def test_whoever_solves_tells_what_binds_and_how_far_it_intervened(solver):
+    certificate = SingleIntegratorCertificate(boundary=ARENA, solver=solver)
+    positions = [[-0.08, 0.08, 1.5, 0.0], [0.0, 0.0, 0.0, 0.6]]
+    command = np.array([[0.15, -0.15, 0.15, 0.02], [0.0, 0.0, 0.0, 0.0]])
+    for _ in range(2):  # the second time with what bound last time
+        velocity, info = certificate(command, positions)
+        assert info.status == "optimal"
+        assert set(info.active) == {"robots 0 and 1", "robot 2 and wall +x"}
+        assert info.solver == ("active set" if solver == "auto" else solver)
+        assert info.iterations >= 1
+        assert 0.0 <= info.violation <= 1e-8
+        moved = np.hypot(*(velocity - command)).max()
+        assert info.intervention == pytest.approx(moved, abs=1e-12)
+        np.testing.assert_allclose(velocity[:, 3], command[:, 3], atol=1e-6)
+
+
 def test_inputs_are_left_alone():
     poses = np.array([[-0.2, 0.2], [0.0, 0.0], [0.0, np.pi]])
     command = np.array([[0.2, 0.2], [0.0, 1.0]])
