@@ -1,6 +1,6 @@
 """Mutants that no test can kill, since they change nothing that anyone could see, and why.
 
-Each is the end of a file's path, a part of the line, a part of the change, and the reason.
+Each is a part of the file's path, a part of the line, a part of the change, and the reason.
 `mutations` makes none in annotations, docstrings and the words of messages.
 """
 
@@ -17,14 +17,16 @@ EQUIVALENT: list[tuple[str, str, str, str]] = [
     ("law.py", "agents = np.arange(distance.shape[-1])", "", _SQUARE),
     ("law.py", "remembered = np.asarray(imprint", "without argument dtype", _WHOLE),
     ("steering.py", "along >= self.parameters.clear * lengths", "GtE to Gt", _NOBODY),
-    ("numbers.py", "if np.abs(steps - steps.mean())", "Sub to Add", _SHORT),
-    ("numbers.py", "if (weights == 1.0).all()", "to any", _SHORT),
-    ("numbers.py", "if (weights == 1.0).all()", "1.0 to 2.0", _SHORT),
+    ("alignment/", "if np.abs(steps - steps.mean())", "Sub to Add", _SHORT),
+    ("alignment/", "if (weights == 1.0).all()", "to any", _SHORT),
+    ("alignment/", "if (weights == 1.0).all()", "1.0 to 2.0", _SHORT),
     ("working_set.py", "self._bound_in = (0, 0)", "", "nothing is recalled of no rows"),
     ("working_set.py", "working[warm] = True", "left out", _SPEED),
     ("working_set.py", "if rows.key is None else -1", "without minus", _NO_COUNT),
     ("working_set.py", "if rows.key is None else -1", "1 to 2", _NO_COUNT),
     ("scaled_program.py", "if unit <= _FAST", "LtE to Lt", _UNIT),
+    ("scaled_program.py", "-(1.0 + TOLERANCE) * math.sqrt(2.0)", "Add to Sub", _NOBODY),
+    ("projector.py", ".reshape(-1, 2)", "1 to 2", "numpy takes any negative number for the rest"),
     ("scaled_program.py", "if self.worst <= _FAST", "LtE to Lt", _UNIT),
     ("judge.py", "robots = 0 if ideal.report is None", "0 to 1", "neither is too many"),
 ]
