@@ -10,6 +10,7 @@ _NOBODY = "nobody meets equality but by rounding, and either answer is right"
 _SHORT = "a short way only: weights that are all alike give the plain mean"
 _SPEED = "where the search begins; it ends at the one optimum"
 _NO_COUNT = "any number will do that is the same for all sets whose rows have keys"
+_ALL = "all rows are in from the start, so that none is ever added to these"
 _UNIT = "the program has the same answer in any unit"
 
 EQUIVALENT: list[tuple[str, str, str, str]] = [
@@ -26,6 +27,8 @@ EQUIVALENT: list[tuple[str, str, str, str]] = [
     ("working_set.py", "if rows.key is None else -1", "1 to 2", _NO_COUNT),
     ("scaled_program.py", "if unit <= _FAST", "LtE to Lt", _UNIT),
     ("scaled_program.py", "-(1.0 + TOLERANCE) * math.sqrt(2.0)", "Add to Sub", _NOBODY),
+    ("scaled_program.py", "-(1.0 + TOLERANCE) * math.sqrt(2.0)", "Lt to LtE", _NOBODY),
+    ("infeasible.py", "np.ones(which.shape[0], dtype=bool)", "without argument dtype", _ALL),
     ("projector.py", ".reshape(-1, 2)", "1 to 2", "numpy takes any negative number for the rest"),
     ("scaled_program.py", "if self.worst <= _FAST", "LtE to Lt", _UNIT),
     ("judge.py", "robots = 0 if ideal.report is None", "0 to 1", "neither is too many"),
