@@ -141,6 +141,19 @@ def test_a_name_is_told_with_its_library_and_the_testbeds_version():
         assert change.is_pythons_newer == (path == "builtins.aiter")
 
 
+def test_a_change_holds_what_to_write_or_what_to_do_or_since_when():
+    kinds = {
+        "numpy.Infinity": (Kind.GONE, ".inf", "", ""),
+        "scipy.signal.hann": (Kind.GONE, "{}.windows.hann", "", ""),
+        "scipy.io.byteordercodes": (Kind.GONE, "", "", ""),
+        "scipy.linalg.tril": (Kind.GONE, "", "write numpy.tril(…)", ""),
+        "tomllib": (Kind.NEWER, "", "", "3.11"),
+    }
+    for path, told in kinds.items():
+        change = CHANGES[path]
+        assert (change.kind, change.code, change.advice, change.since) == told, path
+
+
 def test_lint_verify_and_run_agree_on_every_name_of_the_other_generations(tmp_path):
     names = generation_names
     lines = ["from rps.robotarium import Robotarium", "r = Robotarium(number_of_robots=1)"]
