@@ -281,3 +281,14 @@ def test_an_unsafe_start_is_warned_of_where_the_flock_is_called():
         warning.message
     )
     assert warning.filename == __file__
+
+
+def test_a_second_run_of_a_flock_is_warned_of_an_unsafe_start_again():
+    near = np.array([[0.0, 0.25], [0.0, 0.0], [0.0, np.pi]])
+    flock = flock_of()
+    with pytest.warns(UserWarning, match="start 70 mm closer"):
+        flock.step(near)
+    flock.step(near)
+    flock.reset()
+    with pytest.warns(UserWarning, match="start 70 mm closer"):
+        flock.step(near)

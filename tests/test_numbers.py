@@ -355,6 +355,18 @@ def test_headings_that_point_elsewhere_show_by_how_much(offset, backwards):
     assert found == pytest.approx(abs(offset))  # of a line: driving backwards is no offset
 
 
+def test_headings_that_are_wrong_for_a_while_or_across_gaps_do_not_count():
+    t = 0.033 * np.arange(450)
+    t += 5.0 * (np.arange(450) // 15)  # after every 15 samples a gap
+    poses = np.zeros((450, 3, 2))
+    poses[:, 0] = 0.1 * 0.033 * (np.arange(450) % 15)[:, None]
+    poses[:, 1] = 0.1 * (np.arange(450) // 15 % 2)[:, None] + np.array([0.0, 0.4])  # moved aside
+    poses[:, 2] = 0.3
+    poses[:100, 2] = 1.5
+    found = analyse(Run("gaps", t, poses), radius=1.0).numbers
+    assert found["heading_offset"].value == pytest.approx(0.3)
+
+
 def test_a_flock_that_stands_has_no_alignment_by_motion():
     poses = np.zeros((100, 3, 3))
     poses[:, 0] = [-0.5, 0.0, 0.5]

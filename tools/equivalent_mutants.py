@@ -18,6 +18,12 @@ EQUIVALENT: list[tuple[str, str, str, str]] = [
     ("law.py", "agents = np.arange(distance.shape[-1])", "", _SQUARE),
     ("law.py", "remembered = np.asarray(imprint", "without argument dtype", _WHOLE),
     ("steering.py", "along >= self.parameters.clear * lengths", "GtE to Gt", _NOBODY),
+    (
+        "alignment/",
+        "np.flatnonzero(edges == -1) - 1, strict=True",
+        "to False",
+        "what begins also ends",
+    ),
     ("alignment/", "if np.abs(steps - steps.mean())", "Sub to Add", _SHORT),
     ("alignment/", "if (weights == 1.0).all()", "to any", _SHORT),
     ("alignment/", "if (weights == 1.0).all()", "1.0 to 2.0", _SHORT),
