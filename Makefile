@@ -12,7 +12,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: demo test test-slow test-numpy1 test-portable lint bench bench-nine bench-rps bench-barriers bench-verify \
+.PHONY: demo test test-slow test-numpy1 test-portable coverage mutants lint bench bench-nine bench-rps bench-barriers bench-verify \
 	bench-report bench-fuzz bench-paper bench-machines lock clean help
 .DEFAULT_GOAL := help
 
@@ -45,6 +45,16 @@ test-numpy1: $(VENV)/.dev  ## the test suite on NumPy 1.26, the oldest that is s
 
 test-portable: $(VENV)/.dev  ## the tests as other processors, numpys and Pythons compute
 	$(BIN)/python .ci/portable.py $(PYTEST_ARGS)
+
+coverage: export COVERAGE_FILE = $(CURDIR)/.coverage
+coverage: $(VENV)/.dev  ## the test suite, and what share of the code it runs, children included
+	$(BIN)/coverage erase
+	$(BIN)/coverage run -m pytest -n 2 $(PYTEST_ARGS)
+	$(BIN)/coverage combine -q
+	$(BIN)/coverage report
+
+mutants: $(VENV)/.dev  ## faults planted one by one: MUTANTS_ARGS="law --sample 40", or hours for all
+	$(BIN)/python tools/mutants.py $(MUTANTS_ARGS)
 
 lint: $(VENV)/.dev  ## ruff, mypy --strict, import rules, docstrings
 	$(BIN)/ruff check .
@@ -90,4 +100,4 @@ lock:  ## renew constraints.txt from the ranges in setup.cfg (needs uv)
 	uv pip compile --universal --python-version 3.10 --extra dev --no-annotate --no-header -q setup.cfg -o constraints.txt
 
 clean:  ## remove environments and results
-	rm -rf $(VENV) .venv-numpy1 .venv-testbed .venv-newest results build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) .venv-numpy1 .venv-testbed .venv-newest results build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .coverage .coverage.*

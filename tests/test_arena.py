@@ -6,11 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from barrier_certificates.ties import TIE
-from rps_compat.arena import Arena
+from rps_compat.arena import Arena, violations_of
 from rps_compat.errors import CommandError
 from rps_compat.report import report_on
 from rps_compat.session import Session, SessionError
 from rps_compat.testbed import GRITSBOT_X, GTERNAL
+from rps_compat.violations import Violations
 
 
 def arena_at(*poses, **guests):
@@ -97,6 +98,95 @@ def test_a_fault_that_returns_is_a_second_event():
     assert [(e.first, e.last) for e in arena.violations.events] == [(1, 2), (5, 5)]
     assert arena.violations.actuator_steps == 3
     assert report_on(arena).largest_wheel_velocity == pytest.approx(62.5)
+
+
+def test_one_sound_step_between_two_faults_makes_them_two():
+    found = Violations()
+    for step in (3, 4, 6):
+        found.outside(step, np.array([-0.1, 0.02 * step]))
+        found.close(step, np.array([0]), np.array([1]), np.array([0.1 + 0.001 * step]))
+    assert [(e.kind, e.robots, e.first, e.last) for e in found.events] == [
+        ("boundary", (1,), 3, 4),
+        ("collision", (0, 1), 3, 4),
+        ("boundary", (1,), 6, 6),
+        ("collision", (0, 1), 6, 6),
+    ]
+    assert [e.worst for e in found.events] == pytest.approx([0.08, 0.103, 0.12, 0.106])
+    assert [e.first for e in found.lasting(5)] == [6, 6]
+    assert found.lasting(0) == found.events
+    assert (found.outside_steps, found.outside_by_robot) == (3, {1: 3})
+    assert (found.close_steps, found.close_pairs, found.close_by_robot) == (3, 3, {0: 3, 1: 3})
+
+
+def test_a_run_is_clean_without_collisions_and_without_anybody_outside():
+    assert Violations(actuator_steps=5, saturated_steps=5).clean
+    assert not Violations(close_pairs=1).clean
+    assert not Violations(outside_steps=1).clean
+
+
+def test_a_wheel_at_its_limit_is_not_over_it():
+    arena = arena_at((0, 0, 0), (1, 0, 0))
+    arena.commands = np.array([[0.2, 0.3], [0.0, 0.0]])  # 12.5 rad/s exactly, and more
+    arena.step()
+    assert [(e.kind, e.robots) for e in arena.violations.events] == [("actuator", (1,))]
+    assert arena.violations.largest_wheel_velocity == pytest.approx(18.75)
+
+
+def test_wheels_are_cut_both_ways_and_each_for_itself():
+    arena = arena_at((0, 0, 0), (0, 1, 0), (0, -1, 0))
+    arena.commands = np.array([[-1.0, 0.05, 1.0], [0.0, 0.0, 0.0]])
+    arena.step()
+    np.testing.assert_allclose(arena.poses[0], 0.033 * np.array([-0.2, 0.05, 0.2]), atol=1e-12)
+    np.testing.assert_allclose(arena.velocities[0], [-0.2, 0.05, 0.2], atol=1e-12)
+
+
+def test_the_test_of_logged_poses_names_their_rows():
+    poses = np.zeros((6, 3, 2))
+    poses[:, 0] = [-0.5, 0.5]
+    poses[3:5, 0, 1] = 1.7
+    found = violations_of(poses, GTERNAL, range(6))
+    assert [(e.kind, e.robots, e.first, e.last) for e in found.events] == [("boundary", (1,), 3, 4)]
+    assert violations_of(poses, GTERNAL, [0, 4]).outside_steps == 1
+
+
+def test_a_robot_at_half_a_turn_keeps_its_sign():
+    for heading in (np.pi + TIE / 2, -np.pi - TIE / 2):
+        arena = arena_at((0, 0, heading))
+        arena.step()
+        assert arena.poses[2, 0] == heading
+
+
+def test_whole_numbers_may_be_poses():
+    arena = Arena(np.zeros((3, 1), dtype=int))
+    arena.commands = np.array([[0.1], [0.0]])
+    arena.step()
+    assert arena.poses[0, 0] == pytest.approx(0.0033)
+
+
+def test_a_realism_that_cares_hears_whether_there_was_a_command():
+    class Cares:
+        commanded, heard = False, ()
+
+        def reset(self, poses, time_step, rng):
+            self.heard = []
+
+        def actuate(self, velocities, poses, time):
+            self.heard.append((self.commanded, time))
+            return velocities
+
+        def observe(self, poses):
+            return poses
+
+    arena = arena_at((0, 0, 0), realism=Cares())
+    arena.step()
+    arena.commands = np.array([[0.1], [0.0]])
+    arena.step()
+    arena.step()
+    arena.commanded = True  # the same again, as the faces say
+    arena.step()
+    assert arena.realism.heard == [
+        (heard, pytest.approx(0.033 * k)) for k, heard in enumerate((False, True, False, True))
+    ]
 
 
 def test_collisions_are_judged_ahead_of_the_centres():

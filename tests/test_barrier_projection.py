@@ -73,6 +73,23 @@ def test_what_has_to_give_way_is_named_the_furthest_from_holding_first():
     assert info.violation == worst.max() == worst[info.broken[0]]
 
 
+@pytest.mark.parametrize("solver", ["auto", "nnls", "clarabel"])
+def test_whoever_solves_tells_what_binds_and_how_far_it_intervened(solver):
+    certificate = SingleIntegratorCertificate(boundary=ARENA, solver=solver)
+    positions = [[-0.08, 0.08, 1.5, 0.0], [0.0, 0.0, 0.0, 0.6]]
+    command = np.array([[0.15, -0.15, 0.15, 0.02], [0.0, 0.0, 0.0, 0.0]])
+    for _ in range(2):  # the second time with what bound last time
+        velocity, info = certificate(command, positions)
+        assert info.status == "optimal"
+        assert set(info.active) == {"robots 0 and 1", "robot 2 and wall +x"}
+        assert info.solver == ("active set" if solver == "auto" else solver)
+        assert info.iterations >= 1
+        assert 0.0 <= info.violation <= 1e-8
+        moved = np.hypot(*(velocity - command)).max()
+        assert info.intervention == pytest.approx(moved, abs=1e-12)
+        np.testing.assert_allclose(velocity[:, 3], command[:, 3], atol=1e-6)
+
+
 def test_inputs_are_left_alone():
     poses = np.array([[-0.2, 0.2], [0.0, 0.0], [0.0, np.pi]])
     command = np.array([[0.2, 0.2], [0.0, 1.0]])
@@ -116,6 +133,27 @@ def test_policies_where_nothing_is_safe():
         positions = positions + 0.033 * velocity
     assert info.status != "relaxed"
     assert info.clearance > -0.01  # apart and inside, as far as a cubic barrier goes in 10 s
+
+
+@pytest.mark.parametrize("ends", [(-0.05, 0.10), (-0.02, 0.13), (-0.1, 0.1)])
+def test_a_robot_between_two_that_overlap_is_not_pushed_by_the_one_that_overlaps_more(ends):
+    """Both pairs ask for more than anybody can do, so both are given all that there is."""
+    certificate = SingleIntegratorCertificate(barrier_gain=1e6, speed_limit=0.15)
+    positions = [[ends[0], 0.0, ends[1]], [0.0, 0.0, 0.0]]
+    velocity, info = certificate(np.zeros((2, 3)), positions)
+    assert info.status == "relaxed"
+    np.testing.assert_allclose(velocity[0], velocity[0, 2] * np.array([-1, 0, 1]), atol=1e-6)
+    assert velocity[0, 2] > 0.13
+    assert info.violated == ("robots 0 and 1", "robots 1 and 2")
+
+
+def test_options_are_for_a_solver_that_is_named():
+    with pytest.raises(ParameterError, match="expected its name too"):
+        SingleIntegratorCertificate(options={"max_iter": 50})
+    certificate = SingleIntegratorCertificate(solver="clarabel", options={"max_iter": 50})
+    velocity, info = certificate([[0.15, -0.15], [0.0, 0.0]], [[-0.08, 0.08], [0.0, 0.0]])
+    assert info.solver == "clarabel"
+    assert velocity[0, 0] < 0.15
 
 
 def test_not_a_number_stops_the_team():

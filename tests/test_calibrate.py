@@ -72,6 +72,24 @@ def test_simulating_with_it_repeats_the_run(fitted, tmp_path):
     assert read.parameters["resimulated_with"] == "calibrated"
 
 
+def test_what_a_certificate_said_of_other_poses_is_unknown_of_simulated_ones():
+    log = plain_log(80)
+    said = dataclasses.replace(
+        log,
+        status=np.full(80, "optimal"),
+        intervention=np.full(80, 0.01),
+        clearance=np.full(80, 0.2),
+        parameters={"law": {"radius": 0.75}, "ended": {"how": "failed"}, "simulated": False},
+    )
+    again = resimulate(said, Profile(), seed=5)
+    np.testing.assert_allclose(again.poses, log.poses, atol=1e-12)  # ideal robots drove it, too
+    np.testing.assert_array_equal(again.commands, log.commands)
+    assert (again.status, again.intervention, again.clearance) == (None, None, None)
+    assert (again.ending, again.simulated) == (None, True)
+    kept = {name: again.parameters[name] for name in ("law", "seed", "time_step")}
+    assert kept == {"law": {"radius": 0.75}, "seed": 5, "time_step": pytest.approx(0.033)}
+
+
 def test_the_model_is_the_one_that_is_simulated():
     commands = np.random.default_rng(0).uniform(-0.2, 0.2, (80, 2, 3))
     run = Imperfections(Profile(dead_time=DeadTime(constant(0.21)), lag=Lag(constant(0.13))))

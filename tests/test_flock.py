@@ -16,15 +16,15 @@ from posflock_robotarium.flocking.placement import random_poses
 from posflock_robotarium.flocking.steering import SteeringParameters
 from posflock_robotarium.logs.run import Run
 from posflock_robotarium.simulation.flock_trial import simulate
+from rps_compat.arena import Arena
 
 
 def start_of(seed):
     return random_poses(9, np.random.default_rng(seed))
 
 
-def clearance_of(poses):
+def clearance_of(poses, certificate=EXPERIMENT_CERTIFICATE):
     """Return what look-ahead points have beyond radius and margin, by plain geometry."""
-    certificate = EXPERIMENT_CERTIFICATE
     points = poses[:, :2] + certificate.projection_distance * heading_vectors(poses)
     pairs = smallest_distance(points) - certificate.safety_radius
     walls = wall_distance(points, certificate.boundary) - certificate.wall_margin
@@ -88,6 +88,36 @@ def test_steering_turns_the_common_velocity_only():
     plain = simulate(Flock(walls="certificate"), start_of(3), 60.0).log
     assert np.array_equal(steered.poses[:90], plain.poses[:90])  # before 3 s there is none
     assert not np.array_equal(steered.poses[-1], plain.poses[-1])
+
+
+#: Narrower than the testbed's, and nowhere symmetric.
+OTHER_ARENA = (-0.9, 1.1, -0.7, 0.8)
+
+
+@pytest.mark.parametrize("walls", ["steer", "certificate"])
+def test_certificate_and_steering_keep_to_the_arena_that_they_are_given(walls):
+    certificate = replace(EXPERIMENT_CERTIFICATE, boundary=OTHER_ARENA)
+    flock = Flock(walls=walls, certificate=certificate)
+    arena, seen, turned = Arena(start_of(0)), [], []
+    for _ in range(flock.steps_in(25.0)):
+        seen.append(arena.poses.copy())
+        decision = flock.step(arena.poses)
+        turned.append(decision.turning)
+        assert decision.clearance == pytest.approx(clearance_of(seen[-1][None], certificate)[0])
+        arena.commands = decision.command
+        arena.step()
+    points = np.array(seen)[:, :2] + 0.05 * heading_vectors(np.array(seen))
+    nearest = wall_distance(points, OTHER_ARENA).min()
+    assert nearest >= certificate.wall_margin
+    if walls == "certificate":
+        assert nearest < certificate.wall_margin + 0.03  # they were held at this wall
+        assert not any(turned)
+    else:  # they turned at it, far from where the testbed has one
+        first = np.flatnonzero(turned)[0]
+        assert abs(turned[first]) == pytest.approx(flock.steering.turn_rate * flock.time_step)
+        gap = wall_distance(points[first : first + 1], OTHER_ARENA).min()
+        assert gap <= certificate.wall_margin + flock.steering.reach
+        assert wall_distance(points[first : first + 1], EXPERIMENT_CERTIFICATE.boundary).min() > 0.4
 
 
 def test_parameters_tell_all_that_a_run_needs():

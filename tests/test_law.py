@@ -177,6 +177,64 @@ def test_parameters_may_differ_between_agents():
     )
 
 
+def test_each_agent_counts_those_within_its_own_radius():
+    """Who sees whom is not mutual, so that rows and columns cannot be taken for each other."""
+    rng = np.random.default_rng(5)
+    p, first, v = rng.uniform(-3, 3, (3, 4, 2, 5))
+    scale, radius = np.array([0.2, 0.5, 0.3, 0.7, 0.4]), np.array([1.0, 2.0, 3.0, 4.0, 5.0])
+    mixed = LawParameters(scale.tolist(), radius.tolist(), 0.3, 2.5, 5.0)
+    for time in (2.0, 20.0):
+        got = both_inputs(p, first, v, time, mixed)
+        for member in range(4):
+            for i in range(5):
+                alike = LawParameters(scale[i], radius[i], 0.3, 2.5, 5.0)
+                expected = plain_inputs(p[member], first[member], v[member], time, alike)
+                for one, other in zip(got, expected, strict=True):
+                    assert_allclose(one[member, :, i], other[:, i], rtol=1e-9)
+
+
+def test_only_agents_that_are_sensed_count():
+    rng = np.random.default_rng(6)
+    p, first, v = rng.uniform(-3, 3, (3, 2, 5))
+    seen = ~np.eye(5, dtype=bool)
+    seen[:, 4] = seen[4, :] = False  # nobody senses the last one, nor it anybody
+    for together, apart in zip(
+        (
+            velocity_based_input(p, v, PAPER_SIMULATION, detected=seen),
+            position_based_input(p, displacements(first), 2.0, PAPER_SIMULATION, detected=seen),
+        ),
+        both_inputs(p[:, :4], first[:, :4], v[:, :4], 2.0),
+        strict=True,
+    ):
+        assert_allclose(together[:, :4], apart, rtol=1e-12)
+        assert not together[:, 4].any()
+    far = p + 100.0 * np.arange(5)  # who is sensed and out of reach is no neighbour either
+    everybody = np.ones((5, 5), dtype=bool)
+    assert not velocity_based_input(far, v, PAPER_SIMULATION, detected=everybody).any()
+
+
+def test_the_papers_parameters():
+    names = ("distance_scale", "radius", "persistence", "speed_limit", "input_limit")
+    for parameters, values in (
+        (PAPER_SIMULATION, (0.5, 7.5, 0.1, 2.5, 5.0)),
+        (PAPER_EXPERIMENT, (0.12, 0.75, 0.15, 0.15, 0.5)),
+    ):
+        assert parameters.as_dict() == dict(zip(names, values, strict=True))
+
+
+def test_parameters_are_told_as_plain_numbers_however_they_were_given():
+    given = LawParameters([0, 1], np.float32(2), 1, 3, np.array([4, 5]))
+    assert given.as_dict() == {
+        "distance_scale": [0.0, 1.0],
+        "radius": 2.0,
+        "persistence": 1.0,
+        "speed_limit": 3.0,
+        "input_limit": [4.0, 5.0],
+    }
+    told = [*given.as_dict()["input_limit"], given.persistence, given.radius]
+    assert {type(number) for number in told} == {float}
+
+
 def test_a_batch_of_flocks_is_its_members():
     rng = np.random.default_rng(1)
     p, first, v = rng.uniform(-8, 8, (3, 5, 2, 6))
@@ -195,7 +253,12 @@ def test_a_batch_of_flocks_is_its_members():
         ({"distance_scale": math.nan}, "distance_scale: expected finite and zero or more"),
         ({"persistence": 0.0}, "persistence"),
         ({"speed_limit": "fast"}, "speed_limit: expected numbers, got 'fast'"),
-        ({"persistence": np.ones(3)}, "expected a number, got an array"),
+        ({"persistence": np.ones(3)}, "persistence: expected a number, got an array"),
+        ({"radius": 0.0}, "radius: expected finite and more than zero, got 0.0"),
+        ({"radius": np.array([1.0, 0.0])}, "radius: expected finite and more than zero"),
+        ({"input_limit": math.inf}, "input_limit: expected finite"),
+        ({"distance_scale": -1e-9}, "distance_scale: expected finite and zero or more"),
+        ({"radius": np.ones((2, 2))}, "expected a number or one number per agent, got an array of"),
     ],
 )
 def test_parameters_that_mean_nothing_are_refused(change, words):
@@ -209,6 +272,11 @@ def test_states_that_mean_nothing_are_refused():
     p = np.zeros((2, 3))
     with pytest.raises(ParameterError, match=r"got \(3,\)"):
         velocity_based_input(np.zeros(3), np.zeros(3), PAPER_SIMULATION)
+    for shape in ((1, 3), (4, 3), (2, 0)):
+        with pytest.raises(ParameterError, match=r"expected shape .* with d = 2 or 3"):
+            velocity_based_input(np.zeros(shape), np.zeros(shape), PAPER_SIMULATION)
+    with pytest.raises(ParameterError, match="positions: expected numbers"):
+        velocity_based_input("here", p, PAPER_SIMULATION)
     with pytest.raises(ParameterError, match="got nan for agent 1"):
         velocity_based_input([[0.0, math.nan], [0.0, 0.0]], np.zeros((2, 2)), PAPER_SIMULATION)
     with pytest.raises(ParameterError, match="velocities: expected the shape of positions"):

@@ -26,47 +26,82 @@ from rps_compat.arena import violations_of
 from rps_compat.testbed import GRITSBOT_X, GTERNAL
 
 ROOT = Path(__file__).parents[1]
-ARENA = (-0.9, 0.9, -0.8, 0.8)
+#: Of no mirror image, and so narrow that two robots start outside.
+ARENA = (-0.9, 0.8, -0.42, 0.75)
 ROBOT = dataclasses.replace(
-    GTERNAL, base_length=0.15, wheel_radius=0.02, collision_diameter=0.15, boundaries=ARENA
+    GTERNAL, base_length=0.15, wheel_radius=0.02, collision_diameter=0.32, boundaries=ARENA
 )
 
-IN_ANOTHER_ARENA = f"""
+#: The experiment on another robot in another arena, as a script that verify and run take.
+ELSEWHERE = f"""
 import runpy, sys
 import numpy as np
-import rps_compat
-rps_compat.install(generation=2, session=rps_compat.Session(initial="exact"))
 from rps.robotarium import Robotarium
 Robotarium.BOUNDARIES = np.array({ARENA})
 Robotarium.BASE_LENGTH, Robotarium.WHEEL_RADIUS = 0.15, 0.02
-Robotarium.COLLISION_DIAMETER = 0.15
-sys.argv = ["main.py", "--duration", "12", "--walls", "certificate"]
+Robotarium.COLLISION_DIAMETER = 0.32
+sys.argv = ["main.py", "--duration", "2"]
 runpy.run_path({str(ROOT / "experiments/robotarium_9bot.py")!r}, run_name="__main__")
 """
 
 
-def test_experiment_log_summary_and_report_agree_in_another_arena(tmp_path):
-    subprocess.run(
-        [sys.executable, "-c", IN_ANOTHER_ARENA],
-        cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(ROOT)}, check=True, capture_output=True,
+def test_all_that_tells_of_a_run_in_another_arena_tells_the_same(tmp_path):
+    script, out = tmp_path / "main.py", tmp_path / "out"
+    script.write_text(ELSEWHERE)
+    command = [sys.executable, "-m", "posflock_robotarium", "run", "--initial", "exact", "-o", out]
+    done = subprocess.run(
+        [*command, script],
+        cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(ROOT)}, check=False, capture_output=True,
     )  # fmt: skip
-    run = read(tmp_path / "nine_robots")
-    assert run.robot == ROBOT
+    assert done.returncode == 0, done.stderr.decode()
+    run = read(tmp_path / "nine_robots.npy")
+    # First what is true, by plain geometry.
+    x, y, theta = run.poses[:, 0], run.poses[:, 1], run.poses[:, 2]
+    left, right, bottom, top = ARENA
+    inside = np.minimum.reduce([x - left, right - x, y - bottom, top - y])
+    first, second = np.triu_indices(9, 1)
+
+    def gaps(ahead):
+        points = x + ahead * np.cos(theta) + 1j * (y + ahead * np.sin(theta))
+        return np.abs(points[:, first] - points[:, second])
+
+    wall, outside, gap = inside.min(), int((inside.min(axis=1) < 0).sum()), gaps(0.0).min()
+    close = int((gaps(ROBOT.collision_offset) <= 0.32).sum())
+    assert wall < -0.02
+    assert 10 < outside < len(run.t)
+    assert close > 10
+    # The log, and the one that the simulator wrote.
+    recorded = read(out / "poses.npy")
+    assert run.robot == recorded.robot == ROBOT
     assert run.parameters["wheels"]["boundary"] == list(ARENA)  # the flock kept to it, too
-    summary, analysis = summarise(run), analyse(run)
-    walls = metrics.wall_distance(run.poses[:, :2], ARENA).min()
-    assert walls < 0.3  # the robots met those walls, not the testbed's
-    assert summary.smallest_wall_distance == pytest.approx(walls, abs=1e-12)
-    wheel = metrics.fastest_wheel(run.commands, 0.02, 0.15).max()
-    assert summary.fastest_wheel == pytest.approx(wheel, abs=1e-12)
+    np.testing.assert_array_equal(recorded.poses, run.poses)
+    # What run says, and verify.
+    (said,) = json.loads((out / "report.json").read_text())["reports"]
+    assert (said["steps_outside"], said["pairs_too_close"]) == (outside, close)
+    ideal = verify(script, trials=0).ideal.outcome
+    assert (ideal.report.steps_outside, ideal.report.pairs_too_close) == (outside, close)
+    assert ideal.wall_gap.metres == pytest.approx(wall, abs=1e-12)
+    assert ideal.smallest_gap.metres == pytest.approx(gap, abs=1e-12)
+    # The arena's test of the log, the summary, and the report.
     judged = violations_of(run.poses, ROBOT, range(len(run.t)))
-    assert summary.collisions == judged.close_pairs
-    assert summary.steps_outside == judged.outside_steps
-    write_report([analysis], tmp_path / "report", figures=False)
+    assert (judged.outside_steps, judged.close_pairs) == (outside, close)
+    for log in (run, recorded):
+        summary = summarise(log, radius=0.75)
+        assert (summary.steps_outside, summary.collisions) == (outside, close)
+        assert summary.smallest_wall_distance == pytest.approx(wall, abs=1e-12)
+        assert summary.smallest_distance == pytest.approx(gap, abs=1e-12)
+    wheel = metrics.fastest_wheel(run.commands, 0.02, 0.15).max()
+    write_report([analyse(run)], tmp_path / "report", figures=False)
     told = json.loads((tmp_path / "report" / "summary.json").read_text())
     assert told["robot"]["boundaries"] == list(ARENA)
-    assert told["numbers"]["smallest_wall_distance"]["value"] == summary.smallest_wall_distance
-    assert told["numbers"]["fastest_wheel"]["value"] == summary.fastest_wheel
+    for key, value in {
+        "smallest_wall_distance": wall,
+        "smallest_distance": gap,
+        "boundary_steps": outside,
+        "collision_steps": close,
+        "fastest_wheel": wheel,
+    }.items():
+        assert told["numbers"][key]["value"] == pytest.approx(value, abs=1e-12), key
 
 
 LEAVES = """

@@ -63,6 +63,34 @@ def test_the_noise_and_the_bias_are_measured_from_the_log_itself(speed, table):
     assert expected_bias(noise.course) == pytest.approx(error, rel=0.2)
 
 
+def test_the_noise_of_stretches_is_their_mean_by_length():
+    """A short noisy stretch before a gap must not count as much as a long one behind it."""
+    rng = np.random.default_rng(1)
+    t = [0.033 * np.arange(60), 10.0 + np.cumsum(rng.uniform(0.02, 0.05, 400))]
+    runs = []
+    for times, noise in zip(t, (0.004, 0.0005), strict=True):
+        poses = rng.normal(0.0, noise, (len(times), 3, 4))
+        poses[:, 0] += 0.1 * times[:, np.newaxis]
+        poses[:, 2] *= 3.0
+        runs.append(Run("stretch", times, poses))
+    both = Run("both", np.concatenate(t), np.concatenate([run.poses for run in runs]))
+    assert len(both.segments) == 2
+    # The window is counted in median steps; one that is the same number of samples for all three.
+    window = 11 * both.step
+    assert {window_points(run.step, window) for run in (*runs, both)} == {11}
+    short, long = (tracking_noise(run, 0.1, window) for run in runs)
+    found = tracking_noise(both, 0.1, window)
+    lengths = np.array([60, 400])
+
+    def mean(*values):
+        return np.average(values, weights=lengths)
+
+    assert found.position**2 == pytest.approx(mean(short.position**2, long.position**2))
+    assert found.heading**2 == pytest.approx(mean(short.heading**2, long.heading**2))
+    slope = mean(short.course / short.position, long.course / long.position)
+    assert found.course == pytest.approx(found.position * slope)
+
+
 def uneven(recording, jitter, seed=0):
     """Sample a straight flock at uneven times: a loop that misses its slots."""
     rng = np.random.default_rng(seed)

@@ -40,7 +40,8 @@ def _npy(path: Path) -> tuple[bool, int]:
 
 
 def _npz(path: Path) -> tuple[bool, int]:
-    with np.load(path, allow_pickle=False) as arrays:
+    # Opened here: numpy leaves the file of a torn archive open.
+    with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
         return True, sum(arrays[name].size for name in arrays)
 
 

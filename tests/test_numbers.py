@@ -1,0 +1,407 @@
+"""Every number of a report's summary, derived a second time from the curves and by hand."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from posflock_robotarium.alignment.estimators import (
+    estimate,
+    expected_bias,
+    tracking_noise,
+)
+from posflock_robotarium.report import AnalysisOptions, Run, analyse
+
+#: Key → group and unit, in the order of the summary table.
+TABLE = {
+    "Run": {"robots": "", "duration": "s", "samples": "", "step": "s", "gaps": "", "gap_time": "s"},
+    "Alignment": {
+        "gamma_motion": "", "left_out_motion": "share", "gamma_headings": "",
+        "left_out_headings": "share", "gamma_differences": "", "left_out_differences": "share",
+        "time_to_alignment_motion": "s", "time_aligned_for_good_motion": "s",
+        "share_aligned_motion": "share", "steadiness_motion": "share",
+        "time_to_alignment_headings": "s", "time_aligned_for_good_headings": "s",
+        "share_aligned_headings": "share", "steadiness_headings": "share",
+        "polarisation_motion": "", "polarisation_headings": "", "heading_spread": "rad",
+    },
+    "Motion": {
+        "speed": "m/s", "drift": "m/s", "standing": "share", "robots_standing": "",
+        "standing_end": "share", "centroid_displacement": "m", "stalls": "", "stall_time": "s",
+        "fastest_wheel": "rad/s", "wheel_excess": "rad/s", "wheel_excess_steps": "",
+    },
+    "Cohesion": {
+        "cohesive_radius": "m", "cohesive_radius_ratio": "", "spread": "m", "components": "",
+        "connected": "share", "algebraic_connectivity": "",
+    },
+    "Safety": {
+        "nearest_neighbour": "m", "smallest_distance": "m", "smallest_collision_distance": "m",
+        "collisions": "", "collision_steps": "", "smallest_wall_distance": "m",
+        "boundary_events": "", "boundary_steps": "",
+    },
+    "Certificate": {
+        "interventions": "share", "intervention_mean": "m/s", "intervention_largest": "m/s",
+        "clearance": "m", "clearance_first": "m", "unsolved": "",
+    },
+    "Confidence": {
+        "noise_position": "m", "noise_heading": "rad", "noise_course": "rad", "gamma_bias": "",
+        "heading_offset": "rad",
+    },
+}  # fmt: skip
+
+
+def eventful(uneven=True):
+    """Return a run of 27 s in which everything happens that a number counts."""
+    rng = np.random.default_rng(7)
+    steps = rng.uniform(0.025, 0.045, 760) if uneven else np.full(760, 0.033)
+    steps[[650, 700]] += np.array([1.0, 2.0]) * uneven  # gaps, late in the run
+    t = np.concatenate([[0.5], 0.5 + np.cumsum(steps)])
+    rows = len(t)
+    since = t - t[0]
+    heading = 0.1 + 0.3 * np.sin(0.4 * since)[:, None] + np.array([0.0, 0.05, -0.05, 0.1])
+    heading[since < 3.0, 0] += 2.5  # robot 0 begins the wrong way
+    speed = np.full((rows, 4), 0.08)
+    speed[since > 21.0, 3] = 0.0  # robot 3 stops
+    speed[since > since[-1] - 1.0, 2] = 0.0  # robot 2 soon before the end
+    speed[(since > 15.0) & (since < 15.6), 1] = 0.0  # and robot 1, for too short a time to stall
+    speed[(since > 16.0) & (since < 18.5), 1] = 0.0
+    poses = np.zeros((rows, 3, 4))
+    moved = np.diff(t, prepend=t[0])[:, None] * speed
+    poses[:, 0] = np.cumsum(moved * np.cos(heading), axis=0) + np.array([-1.2, -1.14, -0.7, -0.9])
+    poses[:, 1] = np.cumsum(moved * np.sin(heading), axis=0) + np.array([0.0, 0.07, 0.3, -0.4])
+    poses[:, 2] = heading
+    poses[:, :2] += rng.normal(0.0, 2e-4, (rows, 2, 4))
+    commands = np.zeros((rows, 2, 4))
+    commands[:, 0] = 0.08
+    commands[since > 24.0, 0, 3] = 0.0
+    commands[100:130, 0, 2] = 0.3
+    commands[200:210, 1, 2] = -5.0
+    intervention = np.where(rng.random(rows) < 0.3, rng.uniform(0.002, 0.02, rows), 0.0005)
+    intervention[:20] = math.nan
+    clearance = rng.uniform(0.01, 0.2, rows)
+    clearance[5], clearance[300] = math.nan, -0.03
+    status = np.full(rows, "trivial", dtype="<U8")
+    status[40:45], status[50], status[60:62] = "relaxed", "failed", "optimal"
+    parameters = {"neighbour_radius": 0.55}
+    return Run("eventful", t, poses, commands, intervention, clearance, status, parameters)
+
+
+@pytest.fixture(scope="module", params=[True, False], ids=["uneven", "even"])
+def analysis(request):
+    return analyse(eventful(request.param))
+
+
+class Again:
+    """Means over time, weighted by how long each sample stands."""
+
+    def __init__(self, analysis):
+        self.run, self.curves = analysis.recording, analysis.curves
+        t = self.run.t
+        step = np.median(np.diff(t))
+        lasts = np.append(np.diff(t), step)
+        self.lasts = np.where(lasts > 3.0 * step, step, lasts)
+        self.settled = t - t[0] > 20.0
+
+    def mean(self, values, which=None):
+        which = np.isfinite(values) & (self.settled if which is None else which)
+        return float((values * self.lasts)[which].sum() / self.lasts[which].sum())
+
+    @property
+    def speeds(self):
+        smooth = estimate(self.run, "savitzky_golay").velocities
+        return np.hypot(smooth[:, 0], smooth[:, 1])
+
+
+def value(analysis, key):
+    return analysis.numbers[key].value
+
+
+def test_the_table_is_complete_in_order_with_groups_and_units(analysis):
+    expected = [(g, key, unit) for g, entries in TABLE.items() for key, unit in entries.items()]
+    assert [(n.group, key, n.unit) for key, n in analysis.numbers.items()] == expected
+    for number in analysis.numbers.values():
+        assert number.label
+        assert number.definition.endswith(".")
+        assert "_" not in number.label  # words for people
+
+
+def test_the_run(analysis):
+    t = analysis.recording.t
+    step = np.median(np.diff(t))
+    assert value(analysis, "robots") == 4
+    assert value(analysis, "samples") == 761
+    assert value(analysis, "duration") == t[-1] - t[0]
+    assert value(analysis, "step") == step
+    gaps = np.diff(t)[np.diff(t) > 0.5]
+    assert value(analysis, "gaps") == len(gaps)
+    assert value(analysis, "gap_time") == pytest.approx(gaps.sum())
+
+
+def test_means_are_over_the_time_that_each_sample_stands_for(analysis):
+    again, curves = Again(analysis), analysis.curves
+    for key in (
+        "gamma_motion", "gamma_headings", "gamma_differences", "left_out_motion",
+        "left_out_headings", "left_out_differences", "polarisation_motion",
+        "polarisation_headings", "speed", "drift", "cohesive_radius", "spread",
+        "nearest_neighbour",
+    ):  # fmt: skip
+        assert value(analysis, key) == pytest.approx(again.mean(curves[key]), abs=1e-12), key
+    assert 0.0 < value(analysis, "left_out_motion") < 1.0
+
+
+@pytest.mark.parametrize("short", ["motion", "headings"])
+def test_alignment_begins_lasts_and_is_a_share_of_the_time(analysis, short):
+    again, gamma = Again(analysis), analysis.curves[f"gamma_{short}"]
+    t, aligned = analysis.recording.t, gamma >= 0.9
+    everything = np.ones(len(t), dtype=bool)
+    assert not aligned[0]
+    assert 0 < aligned.sum() < len(t)
+    assert value(analysis, f"time_to_alignment_{short}") == t[np.argmax(aligned)] - t[0]
+    last = np.flatnonzero(~aligned)[-1]
+    for_good = math.nan if last == len(t) - 1 else t[last + 1] - t[0]
+    found = value(analysis, f"time_aligned_for_good_{short}")
+    assert found == pytest.approx(for_good, nan_ok=True)
+    share, steady = again.mean(aligned * 1.0, everything), again.mean(aligned * 1.0)
+    assert value(analysis, f"share_aligned_{short}") == pytest.approx(share, abs=1e-12)
+    assert value(analysis, f"steadiness_{short}") == pytest.approx(steady, abs=1e-12)
+
+
+def test_alignment_that_ends_or_never_comes_has_no_time():
+    run = eventful()
+    never = analyse(run, AnalysisOptions(threshold=1.0)).numbers
+    for key in ("time_to_alignment_motion", "time_aligned_for_good_motion"):
+        assert math.isnan(never[key].value)
+    assert never["share_aligned_motion"].value == 0.0
+    always = analyse(run, AnalysisOptions(threshold=-1.0)).numbers
+    assert always["time_to_alignment_headings"].value == 0.0
+    assert always["time_aligned_for_good_headings"].value == 0.0
+    assert always["share_aligned_headings"].value == 1.0
+    poses = run.poses.copy()
+    poses[-1, 2, :2] += np.pi  # two turn round at the very end
+    ended = analyse(replace(run, poses=poses)).numbers
+    assert math.isnan(ended["time_aligned_for_good_headings"].value)
+    assert math.isfinite(ended["time_to_alignment_headings"].value)
+
+
+def test_the_spread_of_headings_is_the_circular_deviation(analysis):
+    again = Again(analysis)
+    heading = analysis.curves["heading"][again.settled]
+    length = np.hypot(np.cos(heading).mean(), np.sin(heading).mean())
+    assert value(analysis, "heading_spread") == pytest.approx(math.sqrt(-2 * math.log(length)))
+
+
+def test_who_stands_and_for_how_long(analysis):
+    again = Again(analysis)
+    stands = again.speeds <= 0.01
+    standing = stands.mean(axis=1)
+    t = analysis.recording.t
+    assert value(analysis, "standing") == pytest.approx(again.mean(standing), abs=1e-12)
+    assert value(analysis, "robots_standing") == 1  # robot 3; robot 1 stood less than half the time
+    final = t >= t[-1] - 0.1 * (t[-1] - t[0]) - 1e-9
+    assert value(analysis, "standing_end") == pytest.approx(again.mean(standing, final), abs=1e-12)
+    assert 0.25 < value(analysis, "standing_end") < 0.5
+
+
+def test_the_centroid_goes_from_its_first_place_to_its_last(analysis):
+    centre = analysis.recording.poses[:, :2].mean(axis=2)
+    way = math.dist(centre[0], centre[-1])
+    assert value(analysis, "centroid_displacement") == pytest.approx(way)
+
+
+def test_stalls_are_long_stands_against_a_command(analysis):
+    run, again = analysis.recording, Again(analysis)
+    stuck = (again.speeds <= 0.01) & (np.abs(run.commands[:, 0]) >= 0.02)
+    stretches = []
+    for robot in range(4):
+        rows = np.flatnonzero(stuck[:, robot])
+        for part in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1):
+            if part.size and run.t[part[-1]] - run.t[part[0]] > 1.0:
+                stretches.append(run.t[part[-1]] - run.t[part[0]])
+    assert len(stretches) == 2  # robot 1 once, robot 3 until it was told to stop
+    assert value(analysis, "stalls") == 2
+    assert value(analysis, "stall_time") == pytest.approx(sum(stretches))
+
+
+@pytest.mark.parametrize(("stand", "stalls"), [(12, 0), (13, 1)])
+def test_a_stall_is_longer_than_a_second_at_the_slowest_command_that_drives(stand, stalls):
+    """Exactly a second is none; a command of exactly 0.02 m/s counts."""
+    t = 0.1 * np.arange(60)
+    moved = np.full(60, 0.01)
+    moved[20 : 20 + stand] = 0.0
+    poses, commands = np.zeros((60, 3, 2)), np.zeros((60, 2, 2))
+    poses[:, 0] = np.cumsum(moved)[:, None]
+    poses[:, 1] = [0.0, 0.4]
+    commands[:, 0, 0] = 0.02  # the other robot is told to stand
+    run = Run("short", t, poses, commands)
+    numbers = analyse(run, AnalysisOptions(radius=1.0, window=0.3)).numbers
+    assert numbers["stalls"].value == stalls
+    assert numbers["stall_time"].value == pytest.approx(1.1 * stalls)
+
+
+def test_the_offset_of_headings_is_that_of_robots_that_move():
+    t = 0.033 * np.arange(100)
+    poses = np.zeros((100, 3, 2))
+    poses[:, 0] = np.array([0.1, 0.03]) * t[:, None]
+    poses[:, 1] = [0.0, 0.4]
+    poses[:, 2] = [0.2, 1.0]  # the slow one drifts sideways
+    run = Run("drift", t, poses)
+    for slowest, offset in ((0.02, 0.6), (0.05, 0.2), (0.2, math.nan)):
+        found = analyse(run, AnalysisOptions(radius=1.0, slowest=slowest)).numbers
+        assert found["heading_offset"].value == pytest.approx(offset, nan_ok=True)
+
+
+def test_wheels_are_held_against_the_robots_own_limit(analysis):
+    wheels = analysis.curves["fastest_wheel"]
+    assert value(analysis, "fastest_wheel") == wheels.max()
+    assert value(analysis, "wheel_excess") == pytest.approx(wheels.max() - 12.5)
+    assert value(analysis, "wheel_excess_steps") == int((wheels > 12.5).sum()) == 40
+
+
+def test_commands_within_the_limit_have_no_excess():
+    run = eventful()
+    slow = analyse(replace(run, commands=0.2 * run.commands)).numbers
+    assert slow["wheel_excess"].value == 0.0
+    assert slow["wheel_excess_steps"].value == 0
+    assert "fastest_wheel" not in analyse(replace(run, commands=None)).numbers
+
+
+def test_cohesion(analysis):
+    again, curves = Again(analysis), analysis.curves
+    radius, everything = curves["cohesive_radius"][again.settled], np.ones(761, dtype=bool)
+    ratio = radius.max() / radius.min()
+    assert value(analysis, "cohesive_radius_ratio") == pytest.approx(ratio)
+    assert value(analysis, "components") == curves["components"].max() > 1
+    together = again.mean((curves["components"] == 1) * 1.0, everything)
+    assert value(analysis, "connected") == pytest.approx(together, abs=1e-12)
+    assert 0.0 < together < 1.0
+    least = curves["algebraic_connectivity"].min()
+    assert value(analysis, "algebraic_connectivity") == least
+
+
+def test_safety(analysis):
+    x, y, theta = np.moveaxis(analysis.recording.poses, 1, 0)
+    first, second = np.triu_indices(4, 1)
+
+    def gaps(ahead):
+        points = x + ahead * np.cos(theta) + 1j * (y + ahead * np.sin(theta))
+        return np.abs(points[:, first] - points[:, second])
+
+    close = gaps(0.025) < 0.135
+    walls = np.minimum.reduce([x + 1.6, 1.6 - x, y + 1.0, 1.0 - y])
+    assert value(analysis, "smallest_distance") == pytest.approx(gaps(0.0).min())
+    assert value(analysis, "smallest_collision_distance") == pytest.approx(gaps(0.025).min())
+    assert value(analysis, "collision_steps") == close.sum() > 0
+    begun = close & ~np.vstack([np.zeros((1, 6), dtype=bool), close[:-1]])
+    assert value(analysis, "collisions") == begun.sum()
+    assert value(analysis, "smallest_wall_distance") == pytest.approx(walls.min())
+    assert value(analysis, "boundary_events") == value(analysis, "boundary_steps") == 0
+    moved = analysis.recording.poses.copy()
+    moved[:, 0] -= 0.45
+    outside = analyse(replace(analysis.recording, poses=moved)).numbers
+    beyond = x - 0.45 < -1.6
+    assert outside["boundary_steps"].value == beyond.any(axis=1).sum() > 0
+    begun = beyond & ~np.vstack([np.zeros((1, 4), dtype=bool), beyond[:-1]])
+    assert outside["boundary_events"].value == begun.sum()
+
+
+def test_what_the_certificate_did(analysis):
+    run = analysis.recording
+    known = run.intervention[20:]
+    moved = known > 1e-3
+    assert value(analysis, "interventions") == pytest.approx(moved.mean())
+    assert value(analysis, "intervention_mean") == pytest.approx(known[moved].mean())
+    assert value(analysis, "intervention_largest") == known.max()
+    assert value(analysis, "clearance") == -0.03
+    assert value(analysis, "clearance_first") == run.clearance[0]
+    assert value(analysis, "unsolved") == 6
+
+
+def test_what_the_certificate_did_not_say_is_in_no_table():
+    run = eventful()
+    idle = np.full(761, 0.0005)
+    untouched = analyse(replace(run, intervention=idle)).numbers
+    assert untouched["interventions"].value == untouched["intervention_mean"].value == 0.0
+    assert untouched["intervention_largest"].value == 0.0005
+    late = run.clearance.copy()
+    late[0] = math.nan
+    assert "clearance_first" not in analyse(replace(run, clearance=late)).numbers
+    unknown = analyse(replace(run, intervention=None, clearance=None, status=None)).numbers
+    assert not TABLE["Certificate"].keys() & unknown.keys()
+
+
+def test_how_far_the_estimates_can_be_trusted(analysis):
+    run, again = analysis.recording, Again(analysis)
+    moving = again.speeds[again.settled]
+    speed = float(np.median(moving[np.isfinite(moving) & (moving > 0.01)]))
+    noise = tracking_noise(run, speed)
+    assert value(analysis, "noise_position") == noise.position
+    assert value(analysis, "noise_heading") == noise.heading
+    assert value(analysis, "noise_course") == pytest.approx(noise.course)
+    assert value(analysis, "gamma_bias") == pytest.approx(expected_bias(noise.course))
+    assert value(analysis, "heading_offset") < 0.1
+
+
+@pytest.mark.parametrize("offset", [0.4, -0.4, 1.2])
+@pytest.mark.parametrize("backwards", [False, True])
+def test_headings_that_point_elsewhere_show_by_how_much(offset, backwards):
+    t = 0.033 * np.arange(400)
+    poses = np.zeros((400, 3, 3))
+    direction = np.array([0.3, 2.0, -2.5])
+    way = (-0.1 if backwards else 0.1) * t[:, None]
+    poses[:, 0], poses[:, 1] = way * np.cos(direction), way * np.sin(direction)
+    poses[:, 1] += [0.0, 1.0, 2.0]
+    poses[:, 2] = direction + offset
+    found = analyse(Run("turned", t, poses), radius=1.0).numbers["heading_offset"].value
+    assert found == pytest.approx(abs(offset))  # of a line: driving backwards is no offset
+
+
+def test_headings_that_are_wrong_for_a_while_or_across_gaps_do_not_count():
+    t = 0.033 * np.arange(450)
+    t += 5.0 * (np.arange(450) // 15)  # after every 15 samples a gap
+    poses = np.zeros((450, 3, 2))
+    poses[:, 0] = 0.1 * 0.033 * (np.arange(450) % 15)[:, None]
+    poses[:, 1] = 0.1 * (np.arange(450) // 15 % 2)[:, None] + np.array([0.0, 0.4])  # moved aside
+    poses[:, 2] = 0.3
+    poses[:100, 2] = 1.5
+    found = analyse(Run("gaps", t, poses), radius=1.0).numbers
+    assert found["heading_offset"].value == pytest.approx(0.3)
+
+
+def test_a_flock_that_stands_has_no_alignment_by_motion():
+    poses = np.zeros((100, 3, 3))
+    poses[:, 0] = [-0.5, 0.0, 0.5]
+    still = analyse(Run("still", 0.033 * np.arange(100), poses), radius=1.0).numbers
+    for key in ("gamma_motion", "polarisation_motion", "heading_offset", "noise_course"):
+        assert math.isnan(still[key].value), key
+    assert still["gamma_headings"].value == pytest.approx(1.0)
+    assert still["left_out_motion"].value == still["standing"].value == 1.0
+    assert still["robots_standing"].value == 3
+    assert still["heading_spread"].value == pytest.approx(0.0)
+    assert still["gap_time"].value == still["gaps"].value == 0
+
+
+@pytest.mark.parametrize(("moving", "defined"), [(5, False), (12, True)])
+def test_gamma_rests_on_half_a_percent_of_robots_and_time_at_least(moving, defined):
+    """Two of two robots that move together for so many of 2000 samples."""
+    t = 0.033 * np.arange(2000)
+    speed = np.zeros(2000)
+    speed[1000 : 1000 + moving] = 0.5
+    poses = np.zeros((2000, 3, 2))
+    poses[:, 0] = (0.033 * np.cumsum(speed))[:, None]
+    poses[:, 1] = [0.0, 0.3]
+    options = AnalysisOptions(radius=1.0, window=0.1, settle=0.0)
+    numbers = analyse(Run("brief", t, poses), options).numbers
+    counted = 1.0 - numbers["left_out_motion"].value
+    assert (counted >= 0.005) == defined
+    assert math.isfinite(numbers["gamma_motion"].value) == defined
+
+
+def test_a_robot_alone_has_no_neighbours_and_nobody_to_collide_with():
+    t = 0.033 * np.arange(60)
+    poses = np.zeros((60, 3, 1))
+    poses[:, 0, 0] = 0.1 * t
+    alone = analyse(Run("alone", t, poses), radius=1.0).numbers
+    assert not {"components", "connected", "collisions", "nearest_neighbour"} & alone.keys()
+    assert math.isnan(alone["cohesive_radius_ratio"].value)
+    assert alone["smallest_wall_distance"].value == pytest.approx(1.0)
+    assert alone["speed"].value == pytest.approx(0.1)

@@ -1,0 +1,41 @@
+"""Mutants that no test can kill, since they change nothing that anyone could see, and why.
+
+Each is a part of the file's path, a part of the line, a part of the change, and the reason.
+`mutations` makes none in annotations, docstrings and the words of messages.
+"""
+
+_SQUARE = "the array is square in these two axes"
+_WHOLE = "whole numbers become floats in the arithmetic that follows"
+_NOBODY = "nobody meets equality but by rounding, and either answer is right"
+_SHORT = "a short way only: weights that are all alike give the plain mean"
+_SPEED = "where the search begins; it ends at the one optimum"
+_NO_COUNT = "any number will do that is the same for all sets whose rows have keys"
+_ALL = "all rows are in from the start, so that none is ever added to these"
+_UNIT = "the program has the same answer in any unit"
+
+EQUIVALENT: list[tuple[str, str, str, str]] = [
+    ("law.py", "np.nextafter(0.0, 1.0)", "1.0 to 2.0", "the next float is in the same direction"),
+    ("law.py", "agents = np.arange(distance.shape[-1])", "", _SQUARE),
+    ("law.py", "remembered = np.asarray(imprint", "without argument dtype", _WHOLE),
+    ("steering.py", "along >= self.parameters.clear * lengths", "GtE to Gt", _NOBODY),
+    (
+        "alignment/",
+        "np.flatnonzero(edges == -1) - 1, strict=True",
+        "to False",
+        "what begins also ends",
+    ),
+    ("alignment/", "if np.abs(steps - steps.mean())", "Sub to Add", _SHORT),
+    ("alignment/", "if (weights == 1.0).all()", "to any", _SHORT),
+    ("alignment/", "if (weights == 1.0).all()", "1.0 to 2.0", _SHORT),
+    ("working_set.py", "self._bound_in = (0, 0)", "", "nothing is recalled of no rows"),
+    ("working_set.py", "working[warm] = True", "left out", _SPEED),
+    ("working_set.py", "if rows.key is None else -1", "without minus", _NO_COUNT),
+    ("working_set.py", "if rows.key is None else -1", "1 to 2", _NO_COUNT),
+    ("scaled_program.py", "if unit <= _FAST", "LtE to Lt", _UNIT),
+    ("scaled_program.py", "-(1.0 + TOLERANCE) * math.sqrt(2.0)", "Add to Sub", _NOBODY),
+    ("scaled_program.py", "-(1.0 + TOLERANCE) * math.sqrt(2.0)", "Lt to LtE", _NOBODY),
+    ("infeasible.py", "np.ones(which.shape[0], dtype=bool)", "without argument dtype", _ALL),
+    ("projector.py", ".reshape(-1, 2)", "1 to 2", "numpy takes any negative number for the rest"),
+    ("scaled_program.py", "if self.worst <= _FAST", "LtE to Lt", _UNIT),
+    ("judge.py", "robots = 0 if ideal.report is None", "0 to 1", "neither is too many"),
+]
