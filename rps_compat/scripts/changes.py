@@ -57,16 +57,23 @@ class Change:
     @property
     def library(self) -> str:
         """The library as imported, with the testbed's version: ``numpy 2.2.6``."""
-        top = self.path.partition(".")[0]
-        version = LIBRARIES.get(IMPORT_NAMES.get(top, ""))
-        if version is None:
+        if self._version is None:
             return f"Python {PYTHON[0]}.{PYTHON[1]}"
-        return f"{top} {version}"
+        return f"{self._top} {self._version}"
+
+    @property
+    def _top(self) -> str:
+        return self.path.partition(".")[0]
+
+    @property
+    def _version(self) -> str | None:
+        """The testbed's version of the library; None for Python's own."""
+        return LIBRARIES.get(IMPORT_NAMES.get(self._top, ""))
 
     @property
     def is_pythons_newer(self) -> bool:
         """Whether it is of a newer Python."""
-        return self.kind is Kind.NEWER and self.library.startswith("Python")
+        return self.kind is Kind.NEWER and self._version is None
 
     @property
     def what(self) -> str:
