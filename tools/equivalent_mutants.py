@@ -16,6 +16,8 @@ _UNIT = "the program has the same answer in any unit"
 EQUIVALENT: list[tuple[str, str, str, str]] = [
     ("law.py", "np.nextafter(0.0, 1.0)", "1.0 to 2.0", "the next float is in the same direction"),
     ("law.py", "agents = np.arange(distance.shape[-1])", "", _SQUARE),
+    ("law.py", "p = np.asarray(positions", "without argument dtype", _WHOLE),
+    ("law.py", "x = np.asarray(vectors", "without argument dtype", _WHOLE),
     ("law.py", "remembered = np.asarray(imprint", "without argument dtype", _WHOLE),
     ("steering.py", "along >= self.parameters.clear * lengths", "GtE to Gt", _NOBODY),
     (

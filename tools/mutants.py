@@ -167,7 +167,7 @@ def run_tests(tests: Sequence[str], mutant: Mutant | None, seconds: float) -> st
             os.dup2(silence, 2)
             if mutant is not None:
                 sys.meta_path.insert(0, _MutantImporter(mutant))
-            options = ["-q", "-x", "-p", "no:cacheprovider", "-p", "no:xdist", "--tb=no"]
+            options = ["-q", "-x", "-p", "no:cacheprovider", "--tb=no"]
             options += ["-W", "ignore::pytest.PytestAssertRewriteWarning"]  # hypothesis is there
             code = pytest.main([*options, *(f"tests/{name}.py" for name in tests)])
         finally:
