@@ -29,7 +29,15 @@ from rps_compat.realism import (
 
 @dataclass(frozen=True)
 class Jitter:
-    """Standard deviations of the tracker's white noise: along and across the heading (m), rad."""
+    """Standard deviations of the tracker's white noise, one for the whole team.
+
+    Attributes
+    ----------
+    along, lateral : Estimate
+        Of positions along and across the heading, m.
+    heading : Estimate
+        Of headings, rad.
+    """
 
     along: Estimate
     lateral: Estimate
@@ -38,7 +46,15 @@ class Jitter:
 
 @dataclass(frozen=True)
 class Unexplained:
-    """Standard deviations of what the model does not explain, each step: m/s and rad/s."""
+    """Standard deviations of the motion that the model does not explain, drawn anew each step.
+
+    Attributes
+    ----------
+    speed : Estimate
+        Of the velocity along the heading, m/s.
+    turn : Estimate
+        Of the turn rate, rad/s.
+    """
 
     speed: Estimate
     turn: Estimate

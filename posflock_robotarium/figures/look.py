@@ -17,7 +17,7 @@ class Look:
     colour : str
         One of `figures.style`.
     dash : str or (offset, on and off lengths)
-        Its line.
+        Line style as matplotlib takes it; "" draws markers alone.
     marker : str
         At its points, as matplotlib names it.
     """

@@ -30,7 +30,7 @@ def write_mcap(recording: Run, path: Path) -> None:
     recording : Run
         Commands are left out where they are unknown.
     path : Path
-        The file.
+        Where the MCAP file goes; one that is there is replaced.
 
     Raises
     ------

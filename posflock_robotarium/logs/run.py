@@ -59,7 +59,7 @@ class Ending:
 
     Attributes
     ----------
-    how : str
+    how : How
         The kind of end.
     reason : str
         Why, in words; empty where none was recorded.
@@ -70,7 +70,14 @@ class Ending:
 
 
 def ending_of(parameters: Mapping[str, Any]) -> Ending | None:
-    """Return how a run ended by what its log says; None where it does not, or nothing known."""
+    """Return how a run ended by what its log says; None where it does not, or nothing known.
+
+    Parameters
+    ----------
+    parameters : mapping
+        What the log says about the run; its ``ended`` holds ``how``, a value of `How`, and
+        ``reason``.
+    """
     said = parameters.get("ended")
     if not isinstance(said, Mapping):
         return None

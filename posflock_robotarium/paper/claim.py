@@ -53,16 +53,14 @@ class Claim:
     test : str
         What is measured, in words.
     measure : function of Evidence
-        The number.
-    unit : str
-        Of the number; empty for shares and cosines.
+        Gives the number that is judged, in `unit`; NaN where it cannot be measured.
     sense : Sense
         Which side of the thresholds the paper claims.
     holds, weakly : float
-        From the first on the claim holds, from the second on weakly.
+        Thresholds, in `unit`: from the first on the claim holds, from the second on weakly.
     unit : str
         Of the number; empty for shares and cosines.
-    reasons : dict of verdict to str
+    reasons : mapping of Verdict to str
         Why, for the verdicts that need explaining.
     """
 
@@ -107,7 +105,7 @@ class Judgement:
         What the paper says.
     value : float
         What was measured, in the claim's unit.
-    verdict : str
+    verdict : Verdict
         Whether it holds.
     """
 

@@ -43,7 +43,15 @@ _POSITION_NOISE = (0.0, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5)
 
 
 class Study(Enum):
-    """What is varied: a heading, and the unit of the values that it takes."""
+    """What is varied.
+
+    Parameters
+    ----------
+    title : str
+        What tables and figures call it.
+    unit : str
+        Of the values that it takes; empty where they have none.
+    """
 
     TIME_STEP = "time step", "s"
     DISTANCE_SCALE = "distance scale δ", "m"
@@ -168,8 +176,8 @@ class Evidence:
 
         Parameters
         ----------
-        name : str
-            Of the study, as in :func:`variations`.
+        study : Study
+            What is varied.
         model : Model
             Of the paper's three: which one.
 
@@ -192,8 +200,8 @@ class Evidence:
 
         Parameters
         ----------
-        name : str
-            Of the study, as in :func:`variations`.
+        study : Study
+            What is varied.
         model : Model
             Of the paper's three: which one.
         value : float

@@ -221,8 +221,8 @@ def settled_at(study: Study, model: Model, value: float) -> Callable[[Evidence],
 
     Parameters
     ----------
-    study : str
-        Of the variation, as in `variations`.
+    study : Study
+        What is varied.
     model : Model
         Of the paper's three: which one.
     value : float

@@ -12,7 +12,20 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Readable:
-    """Whether a data file can be read back, and how much is in it."""
+    """Whether a data file can be read back, and how much is in it.
+
+    Attributes
+    ----------
+    size : int
+        Of the file, in bytes.
+    readable : bool
+        Whether its reader opens it; a pose log, a text or what is read as bytes must not be empty.
+    values : int
+        How much is in it: elements of arrays, rows reached of a pose log, lines of text, or bytes
+        of anything else; 0 where its reader fails.
+    digest : str
+        SHA-256 of its bytes, in hexadecimal; empty where its reader fails.
+    """
 
     size: int
     readable: bool
@@ -21,7 +34,13 @@ class Readable:
 
 
 def read_back(path: Path) -> Readable:
-    """Open a data file as its reader would, and count what is in it."""
+    """Open a data file as its reader would, and count what is in it.
+
+    Parameters
+    ----------
+    path : Path
+        A file that a script has written; its ending tells what reads it.
+    """
     size = path.stat().st_size
     try:
         digest = hashlib.sha256(path.read_bytes()).hexdigest()

@@ -16,7 +16,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Smallest:
-    """The smallest of some distance in the ideal run and in all trials, m; None where unknown."""
+    """The smallest of some distance in the ideal run and in all trials.
+
+    Attributes
+    ----------
+    ideal : float, optional
+        In the ideal run, m; None where unknown.
+    trials : float, optional
+        In all trials together, m; None where unknown in each.
+    """
 
     ideal: float | None
     trials: float | None
@@ -24,7 +32,15 @@ class Smallest:
 
 @dataclass(frozen=True)
 class Hits:
-    """In how many of how many trials something happened."""
+    """In how many of how many trials something happened.
+
+    Attributes
+    ----------
+    hits : int
+        Trials in which it happened.
+    trials : int
+        Trials in which it could have: those that stepped; at least 1.
+    """
 
     hits: int
     trials: int
@@ -103,7 +119,15 @@ class Figures:
 
 
 def figures_of(ideal: Outcome, trials: Sequence[Outcome]) -> Figures | None:
-    """Return the figures of an ideal run and its trials; None where the ideal run never stepped."""
+    """Return the figures of an ideal run and its trials; None where the ideal run never stepped.
+
+    Parameters
+    ----------
+    ideal : Outcome
+        Of the run without imperfections.
+    trials : sequence of Outcome
+        Of the runs with imperfections; those that never stepped are left out.
+    """
     report = ideal.report
     if not ideal.steps or report is None or ideal.clock is None:
         return None
@@ -122,7 +146,13 @@ def figures_of(ideal: Outcome, trials: Sequence[Outcome]) -> Figures | None:
 
 
 def metres(gap: Gap | None) -> float | None:
-    """Return the length of a gap; None where it is unknown."""
+    """Return the length of a gap, m; None where it is unknown.
+
+    Parameters
+    ----------
+    gap : Gap, optional
+        The smallest distance that a run measured; None where it measured none.
+    """
     return None if gap is None else gap.metres
 
 

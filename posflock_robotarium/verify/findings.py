@@ -122,11 +122,6 @@ class Finding:
         In how many of how many trials.
     interval : (float, float), optional
         95 % confidence interval of the proportion of runs.
-
-    Raises
-    ------
-    ValueError
-        Where `code` is not a key of :data:`CODES`.
     """
 
     code: Code

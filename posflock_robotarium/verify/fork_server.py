@@ -51,9 +51,8 @@ def serve(request: Request) -> None:
 
     Parameters
     ----------
-    request : dict
-        As :mod:`posflock_robotarium.verify.trials` writes it: what to import first, how many at a
-        time, and the plans.
+    request : Request
+        The trials, what to import before them, how many run at a time, and what each may use.
     """
     for name in request.preload:
         with contextlib.suppress(Exception):

@@ -88,7 +88,25 @@ def report_of(
     trials: Sequence[Ran] = (),
     declared: float | None = None,
 ) -> Report:
-    """Put the findings in order, the worst first, and say what they come to."""
+    """Put the findings in order, the worst first, and say what they come to.
+
+    Parameters
+    ----------
+    script : Path
+        The main file.
+    findings : sequence of Finding
+        Of the source and of the runs; those that are equally bad keep their order.
+    generation : int
+        Of the API that the runs used, 1 or 2.
+    profile : str
+        Name of the realism profile of the trials.
+    ideal : Ran, optional
+        The ideal run; None where the source alone settled it.
+    trials : sequence of Ran
+        Those with imperfections.
+    declared : float, optional
+        Duration that will be declared, s.
+    """
     ordered = sorted(findings, key=lambda finding: -finding.verdict)
     return Report(
         script, verdict_of(ordered), ordered, generation, profile, ideal, list(trials), declared

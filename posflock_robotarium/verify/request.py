@@ -15,7 +15,7 @@ class Request:
     Attributes
     ----------
     plans : tuple of RunPlan
-        The trials.
+        What each trial runs, and how.
     preload : tuple of str
         Modules to import once, before any trial is forked.
     jobs : int
@@ -38,7 +38,13 @@ class Request:
 
     @classmethod
     def of(cls, line: str) -> Request:
-        """Read the line of `line`."""
+        """Return the request that a line holds.
+
+        Parameters
+        ----------
+        line : str
+            JSON, as the method `line` writes it.
+        """
         said = json.loads(line)
         plans = tuple(RunPlan.from_dict(plan) for plan in said.pop("plans"))
         return cls(plans, tuple(said.pop("preload")), **said)

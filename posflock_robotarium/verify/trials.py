@@ -105,8 +105,8 @@ class ForkServer:
 
         Parameters
         ----------
-        request : dict
-            What `serve` takes.
+        request : Request
+            The trials, and what each may use.
         """
         if self._process is None or self._process.poll() is not None:
             self._process = self._start()

@@ -55,7 +55,7 @@ class End:
 
     Attributes
     ----------
-    ended : str
+    ended : Ended
         The kind of end.
     reason : str
         Why, in words; may be empty.
@@ -76,7 +76,7 @@ class End:
 
         Parameters
         ----------
-        ended : str
+        ended : Ended
             The kind of end.
         reason : str
             Why, in words.

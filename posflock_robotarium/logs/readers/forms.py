@@ -75,6 +75,11 @@ _FORMS: dict[str, Form] = {}
 def register(form: Form) -> None:
     """Enter a form.
 
+    Parameters
+    ----------
+    form : Form
+        Asked from now on of every file, at the place that its `Form.told_by` gives it.
+
     Raises
     ------
     ParameterError
@@ -87,7 +92,13 @@ def register(form: Form) -> None:
 
 @contextmanager
 def registered(form: Form) -> Iterator[None]:
-    """Have a form in the registry for a while: within a ``with`` block."""
+    """Have a form in the registry for a while: within a ``with`` block.
+
+    Parameters
+    ----------
+    form : Form
+        Entered as by `register`, and taken out when the block ends, by an error too.
+    """
     register(form)
     try:
         yield
@@ -102,6 +113,11 @@ def known_forms() -> tuple[Form, ...]:
 
 def form_of(file: Path) -> Form:
     """Return the form of a file.
+
+    Parameters
+    ----------
+    file : Path
+        Told by its first `START` bytes and its ending; where a form needs it, by what lies within.
 
     Raises
     ------

@@ -31,6 +31,11 @@ class ReadOptions:
         Which array of a file with several holds the poses.
     drop_damaged : bool
         Leave rows with values that are not finite out, and keep their place as a gap.
+
+    Raises
+    ------
+    ParameterError
+        Where `dt` is not finite, or not above 0.
     """
 
     layout: str | None = None
@@ -55,18 +60,21 @@ class Found:
 
     Attributes
     ----------
-    t : ndarray, shape (T,), optional
+    t : (T,) array, optional
         Seconds; None where the file has no times.
-    poses : ndarray, shape (T, 3, N)
-        Metres and radians.
+    poses : (T, 3, N) array
+        x, y in metres and heading in radians.
     notes : tuple of str
         How the file was read, one sentence a decision.
-    commands : ndarray, shape (T, 2, N), optional
+    commands : (T, 2, N) array, optional
         Commanded linear (m/s) and angular (rad/s) velocity.
     dt : float, optional
         Seconds between samples, where the file says it instead of times.
-    intervention, clearance, status : ndarray, shape (T,), optional
-        What the certificate did at each step, as `Run` has it.
+    intervention, clearance : (T,) array, optional
+        What the certificate changed (m/s), and how far the team was from being unsafe (m), at each
+        step, as `Run` has them.
+    status : (T,) array of str, optional
+        What the certificate answered at each step, as `Run` has it.
     parameters : mapping
         What the file says about the run.
     """
@@ -82,11 +90,23 @@ class Found:
     parameters: Mapping[str, Any] = field(default_factory=dict)
 
     def noted(self, note: str) -> Found:
-        """Return the same with one more note."""
+        """Return the same with one more note.
+
+        Parameters
+        ----------
+        note : str
+            How the file was read: one sentence, one decision.
+        """
         return replace(self, notes=(*self.notes, note))
 
     def rows(self, chosen: slice | NDArray[np.bool_]) -> Found:
-        """Return some of the samples."""
+        """Return some of the samples, of every column.
+
+        Parameters
+        ----------
+        chosen : slice or (T,) boolean array
+            Which samples stay.
+        """
 
         def of(column: NDArray[Any] | None) -> Any:
             return None if column is None else column[chosen]

@@ -27,6 +27,14 @@ LARGEST = 1 << 30
 def find(file: Path, options: ReadOptions) -> Found:
     """Find the poses among the variables of a MATLAB file.
 
+    Parameters
+    ----------
+    file : Path
+        A file ``.mat``, of version 5 or 7.3.
+    options : ReadOptions
+        Its ``array`` names the variable that holds the poses, where that is not plain; ``layout``
+        and a column order say how they lie in it.
+
     Raises
     ------
     LogError, LayoutError

@@ -29,6 +29,16 @@ _ROBOT_FIRST = re.compile(
 def numbered(word: str) -> tuple[str, str] | None:
     """Return which state of which robot a column of this name holds; None where it does not say.
 
+    Parameters
+    ----------
+    word : str
+        The column's name, in lower case.
+
+    Returns
+    -------
+    (str, str), optional
+        The state, one of `STATE_NAMES`, and the digits of the robot's number.
+
     Examples
     --------
     >>> numbered("y_2"), numbered("robot3_yaw"), numbered("battery")
@@ -42,6 +52,12 @@ def numbered(word: str) -> tuple[str, str] | None:
 
 
 def names_a_column(word: str) -> bool:
-    """Tell whether a word in lower case is what a script calls a time, a robot or a state."""
+    """Tell whether a word is what a script calls a time, a robot or a state.
+
+    Parameters
+    ----------
+    word : str
+        A cell of what may be a header, in lower case.
+    """
     known = word in TIME_NAMES or word in STATE_OF or word in ROBOT_NAMES
     return known or numbered(word) is not None

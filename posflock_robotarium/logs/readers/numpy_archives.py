@@ -27,6 +27,14 @@ LARGEST_ARCHIVE = 1 << 28
 def find(file: Path, options: ReadOptions) -> Found:
     """Find the poses among the arrays of an archive.
 
+    Parameters
+    ----------
+    file : Path
+        A file ``.npz``.
+    options : ReadOptions
+        Its ``array`` names the array that holds the poses, where that is not plain; ``layout`` and
+        a column order say how they lie in it.
+
     Raises
     ------
     LogError, LayoutError
@@ -48,6 +56,16 @@ NPZ = Form(
 
 def read_npz(path: Path) -> dict[str, NDArray[Any]]:
     """Read every array of a ``.npz`` archive.
+
+    Parameters
+    ----------
+    path : Path
+        A file ``.npz``, which may unpack to `LARGEST_ARCHIVE` bytes at most.
+
+    Returns
+    -------
+    dict of (...) arrays
+        By name, of whatever types.
 
     Raises
     ------

@@ -32,6 +32,14 @@ LARGEST = 1 << 30
 def find(file: Path, options: ReadOptions) -> Found:
     """Find the poses in an array: among its fields, if it has any, else by its shape.
 
+    Parameters
+    ----------
+    file : Path
+        A file ``.npy``.
+    options : ReadOptions
+        Its ``layout`` and a column order say how the poses lie in the array, where its shape leaves
+        that open; ``array`` names the field that holds them.
+
     Raises
     ------
     LogError, LayoutError
@@ -117,18 +125,23 @@ def read_header(file: IO[bytes], where: str) -> tuple[tuple[int, ...], np.dtype[
 
     Parameters
     ----------
-    path : Path
-        A file ``.npz``.
+    file : binary file
+        Open for reading, at the first byte of the array; left at the first byte of its data.
+    where : str
+        File (and array) name for messages.
 
     Returns
     -------
-    dict of (...) arrays
-        By name.
+    shape : tuple of int
+        Lengths of the axes.
+    dtype : numpy.dtype
+        Of one element.
 
     Raises
     ------
     LogError
-        When it is no header, or promises pickled objects or a negative length.
+        When it is no header, is of a format version other than 1.0 and 2.0, or promises pickled
+        objects or a negative length.
     """
     try:
         version = npy.read_magic(file)

@@ -12,6 +12,13 @@ from posflock_robotarium.logs.readers.found import Found, ReadOptions
 def refuse(file: Path, options: ReadOptions) -> Found:
     """Refuse a pickle, and say what to do instead.
 
+    Parameters
+    ----------
+    file : Path
+        The pickle, of which nothing is read; the message names it.
+    options : ReadOptions
+        Whatever they are: no option admits a pickle.
+
     Raises
     ------
     LogError

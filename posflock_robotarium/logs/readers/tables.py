@@ -32,9 +32,9 @@ class Table:
     Attributes
     ----------
     path : Path
-        The file.
-    values : ndarray, shape (rows, columns)
-        The numbers.
+        Where it was read from, for messages.
+    values : (rows, columns) array
+        Its numbers as they stand, a row a line, in whatever units the file has.
     names : tuple of str
         The header: a name a column, or none at all.
     delimiter : str

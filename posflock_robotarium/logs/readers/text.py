@@ -43,7 +43,7 @@ def read_text(path: Path, options: ReadOptions) -> Found:
     Parameters
     ----------
     path : Path
-        The file.
+        A text or CSV file, in UTF-8.
     options : ReadOptions
         Its ``columns`` may name all columns, separated by commas, as a header would; ``-`` is a
         column to leave out. A layout, or an order of columns, is for tables without header.

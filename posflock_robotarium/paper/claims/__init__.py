@@ -27,5 +27,11 @@ CLAIMS: tuple[Claim, ...] = (
 
 
 def judge_all(evidence: Evidence) -> list[Judgement]:
-    """Judge every claim, in the paper's order."""
+    """Judge every claim, in the paper's order.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Every run of the reproduction.
+    """
     return [claim.judge(evidence) for claim in CLAIMS]
