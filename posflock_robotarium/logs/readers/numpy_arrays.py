@@ -150,7 +150,7 @@ def read_header(file: IO[bytes], where: str) -> tuple[tuple[int, ...], np.dtype[
         elif version == (2, 0):
             shape, _, dtype = npy.read_array_header_2_0(file)
         else:
-            raise ValueError(f"format version {version}")
+            raise LogError(f"format version {version}")
     except Exception as error:  # the header is parsed as a Python literal: anything may surface
         raise LogError(f"{where}: not a NumPy file, or a damaged header ({error})") from error
     if dtype.hasobject:
