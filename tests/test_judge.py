@@ -5,9 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from posflock_robotarium.verify.findings import Finding, Verdict
-from posflock_robotarium.verify.judge import judge
-from posflock_robotarium.verify.trials import Ran, Readable
+from posflock_robotarium.verify.data_files import Readable
+from posflock_robotarium.verify.findings import Code, Finding, Verdict
+from posflock_robotarium.verify.judge import Runs, judge
+from posflock_robotarium.verify.trials import Ran
 from rps_compat import testbed
 from rps_compat.report import Fault, RunReport
 from rps_compat.running.outcome import (
@@ -53,12 +54,13 @@ def ran(data=None, **changes):
 def judged(ideal=None, trials=(), known=(), drive=None, interrupted=None, killed=None, **options):
     """Return the codes found, with how bad each is, in their order."""
     declared, counted = options.get("declared"), options.get("counted", False)
-    found = judge(ideal or ran(), trials, drive, interrupted, killed, declared, known, counted)
-    return [(finding.code, finding.verdict.name) for finding in found]
+    runs = Runs(ideal or ran(), tuple(trials), drive, interrupted, killed)
+    found = judge(runs, known, declared, counted)
+    return [(finding.code.value, finding.verdict.name) for finding in found]
 
 
 def seen(code):
-    return Finding(code, Verdict.FAIL, "seen in the source")
+    return Finding(Code(code), Verdict.FAIL, "seen in the source")
 
 
 def fault(kind, at=1.0, worst=0.1):
@@ -173,9 +175,7 @@ def test_only_a_run_that_ended_by_itself_misses_its_finishing_call():
 
 @pytest.mark.parametrize(("generation", "call"), [(1, "call_at_scripts_end()"), (2, "debug()")])
 def test_the_finishing_call_is_that_of_the_generation(generation, call):
-    (found,) = judge(
-        ran(generation=generation, finishing_call=False), [], None, None, None, None, []
-    )
+    (found,) = judge(Runs(ran(generation=generation, finishing_call=False)), [])
     assert f"without having called {call}" in found.message
     assert found.advice == f"end the script with r.{call}"
 
@@ -188,7 +188,7 @@ def test_a_script_that_never_steps_is_told_only_that():
     # Its end is told already: by the error, or by the source.
     assert judged(ran(**idle, ended=Ended.FAILED, error=CRASH)) == [("crash", "FAIL")]
     assert judged(ran(**idle), known=[seen("no-finishing-call")]) == []
-    (found,) = judge(ran(**idle), [], None, None, None, None, [])
+    (found,) = judge(Runs(ran(**idle)), [])
     assert found.message == "ends without a single step() of a Robotarium"
     assert found.advice == "call get_poses(), set_velocities() and step() in a loop"
 
@@ -196,7 +196,7 @@ def test_a_script_that_never_steps_is_told_only_that():
 def test_whether_the_loop_counts_its_steps_decides_between_long_and_endless():
     endless = ran(ended=Ended.OVER_TIME, clock=900.0, time=900.0)
     assert judged(endless) == [("endless", "RISK")]
-    (found,) = judge(endless, [], None, None, None, None, [])  # nobody says that it counts
+    (found,) = judge(Runs(endless), [])  # nobody says that it counts
     assert found.code == "endless"
     assert judged(endless, counted=True) == [("duration", "FAIL")]
 
