@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from posflock_robotarium.alignment import metrics
+from posflock_robotarium.alignment.metrics import connectivity, directions, distances
 from posflock_robotarium.alignment.point_agents import measure, summarise
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.law import (
@@ -179,7 +180,8 @@ def test_metrics_by_tree_are_the_dense_metrics(seed):
     }
     dense = {name: value() for name, value in measures.items()}
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(metrics, "TREE_FROM_AGENTS", 2)
+        for module in (directions, distances, connectivity):
+            patch.setattr(module, "TREE_FROM_AGENTS", 2)
         for name, value in measures.items():
             np.testing.assert_allclose(value(), dense[name], atol=1e-10, err_msg=name)
     np.testing.assert_allclose(nearest_distances(p[0, 0]).mean(), dense["nearest"][0, 0])

@@ -271,7 +271,7 @@ def test_a_drive_in_which_nobody_comes_nearer_is_given_up():
 
 
 def test_a_drive_that_fails_says_who_is_late(monkeypatch):
-    monkeypatch.setattr("rps_compat.initial.LONGEST_DRIVE", 0.33)
+    monkeypatch.setattr("rps_compat.initial_drive.LONGEST_DRIVE", 0.33)
     rps_compat.install(generation=2)
     with pytest.raises(UnreachableError, match=r"0.33 s of driving, \d of 2 robots .* cm away"):
         make(2, skip_initialization=False)

@@ -124,7 +124,7 @@ def test_the_sources_of_an_experiment_are_all_that_decides_it():
     }
     ours = "posflock_robotarium"
     agents = {f"{ours}.freespace.{name}" for name in ("simulation", "sensing", "neighbour_search")}
-    agents |= {f"{ours}.alignment.{name}" for name in ("metrics", "point_agents")}
+    agents |= {f"{ours}.alignment.{name}" for name in ("metrics.directions", "point_agents")}
     assert agents | {f"{ours}.flocking.law"} <= found["freespace"]
     robots = {f"{ours}.flocking.{name}" for name in ("law", "flock", "placement")}
     robots |= {f"{ours}.alignment.summary", f"{ours}.simulation.flock_trial"}

@@ -13,7 +13,13 @@ DOUBTFUL = 1e-6
 
 
 def faults_of(run: MeasuredRun) -> Violations:
-    """Return collisions and boundary crossings; ask for them by ``run.once(faults_of)``."""
+    """Return collisions and boundary crossings; ask for them by ``run.once(faults_of)``.
+
+    Parameters
+    ----------
+    run : MeasuredRun
+        The run; its robot and arena hold the limits, m.
+    """
     doubtful = np.zeros(len(run.recording.t), dtype=bool)
     for key, least in (
         ("wall_distance", 0.0),
@@ -26,5 +32,13 @@ def faults_of(run: MeasuredRun) -> Violations:
 
 
 def count(run: MeasuredRun, kind: Kind) -> int:
-    """Return how many faults of a kind there were, each counted once however long it lasted."""
+    """Return how many faults of a kind there were, each counted once however long it lasted.
+
+    Parameters
+    ----------
+    run : MeasuredRun
+        The run; its robot and arena hold the limits, m.
+    kind : {'collision', 'boundary'}
+        Two robots too close, or a robot's centre outside the arena; poses show no other kind.
+    """
     return sum(event.kind == kind for event in run.once(faults_of).events)

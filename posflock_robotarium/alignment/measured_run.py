@@ -60,7 +60,7 @@ class MeasuredRun:
 
     @cached_property
     def radius(self) -> float | Floats:
-        """Neighbour radius in metres, one or one a robot."""
+        """Return the neighbour radius in metres: one number, or a (N,) array of one a robot."""
         reach = np.asarray(self.options.radius, dtype=float)
         return float(reach) if reach.ndim == 0 else reach
 
@@ -99,15 +99,42 @@ class MeasuredRun:
         return np.append(steps, r.step)
 
     def motion(self, estimator: str) -> Motion:
-        """Return the motion by a key of `estimators.ESTIMATORS`."""
+        """Return the motion of the robots by one estimator.
+
+        Parameters
+        ----------
+        estimator : str
+            A key of `estimators.ESTIMATORS`.
+        """
         return self.once(_estimated, estimator)
 
     def velocities(self, estimator: str) -> Floats:
-        """Return velocities by that estimator, m/s, shape (T, 2, N)."""
+        """Return the velocities of the robots by one estimator.
+
+        Parameters
+        ----------
+        estimator : str
+            A key of `estimators.ESTIMATORS`; that of headings has unit vectors for velocities.
+
+        Returns
+        -------
+        (T, 2, N) array
+            Velocities in the frame of the arena, m/s.
+        """
         return self.motion(estimator).velocities
 
     def curve(self, key: str) -> Floats | None:
-        """Return a metric over time, shape (T,); None where the recording has no data for it.
+        """Return a metric over time.
+
+        Parameters
+        ----------
+        key : str
+            Key of the metric, one of `curve_functions`.
+
+        Returns
+        -------
+        (T,) array, or None
+            In the unit of the metric, NaN where undefined; None where the recording has no data.
 
         Raises
         ------
@@ -126,7 +153,16 @@ class MeasuredRun:
         return values
 
     def once(self, compute: Callable[..., _T], *arguments: object) -> _T:
-        """Return ``compute(run, *arguments)``, computed the first time only."""
+        """Return ``compute(run, *arguments)``, computed the first time only.
+
+        Parameters
+        ----------
+        compute : callable
+            Takes this run and the arguments. It has to be the same object at every call for its
+            result to be found again: a named function, not a lambda written on the spot.
+        *arguments : hashable
+            What it depends on besides the run.
+        """
         question = (compute, *arguments)
         if question not in self._found:
             self._found[question] = compute(self, *arguments)
@@ -134,7 +170,18 @@ class MeasuredRun:
         return found
 
     def by_stretch(self, measure: Callable[[slice], NDArray[Any]]) -> Floats:
-        """Return what `measure` says of each stretch of samples, joined, shape (T,)."""
+        """Return what a function says of each stretch of samples, joined.
+
+        Parameters
+        ----------
+        measure : callable
+            Takes a slice of samples and returns one value for each of them.
+
+        Returns
+        -------
+        (T,) array
+            The values, in the unit of `measure`.
+        """
         values = np.empty(len(self.recording.t))
         for stretch in self.stretches():
             values[stretch] = measure(stretch)
@@ -147,16 +194,36 @@ class MeasuredRun:
             yield slice(start, min(start + length, samples))
 
     def mean(self, values: Floats) -> float:
-        """Return the mean over the run of a value a sample, where it is defined."""
+        """Return the mean over the run of a value a sample, weighted by the time it stands for.
+
+        Parameters
+        ----------
+        values : (T,) array
+            In any unit, which is the mean's too; NaN where undefined.
+        """
         return weighted_mean(values, self.weights)
 
     def settled_mean(self, values: Floats) -> float:
-        """Return the same over the settled samples."""
+        """Return the same over the settled samples.
+
+        Parameters
+        ----------
+        values : (T,) array
+            One value a sample of the whole run, in any unit; NaN where undefined.
+        """
         return weighted_mean(values[self.settled], self.weights[self.settled])
 
 
 def weighted_mean(values: Floats, weights: Floats) -> float:
-    """Return the mean of the values that are defined; NaN where none is."""
+    """Return the mean of the values that are defined; NaN where none is.
+
+    Parameters
+    ----------
+    values : (T,) array
+        In any unit, which is the mean's too; NaN where undefined.
+    weights : (T,) array
+        The time that each value stands for, in any unit.
+    """
     known = np.isfinite(values)
     if not known.any():
         return float("nan")

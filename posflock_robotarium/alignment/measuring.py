@@ -41,7 +41,18 @@ def measure(recording: Run, options: AnalysisOptions | None = None) -> MeasuredR
 
 
 def curves_of(run: MeasuredRun) -> dict[str, Floats]:
-    """Return every curve that the recording has data for, shape (T,) each, by its key."""
+    """Return every curve that the recording has data for.
+
+    Parameters
+    ----------
+    run : MeasuredRun
+        The run; what is computed stays with it.
+
+    Returns
+    -------
+    dict of (T,) arrays
+        By the key of the metric and in its unit; NaN where undefined.
+    """
     found = {key: run.curve(key) for key in run.curve_functions}
     return {key: curve for key, curve in found.items() if curve is not None}
 
@@ -49,7 +60,15 @@ def curves_of(run: MeasuredRun) -> dict[str, Floats]:
 def numbers_of(run: MeasuredRun) -> dict[str, catalogue.Number]:
     """Return every number that the recording has data for, in the order of the summary's table.
 
-    NaN where a number is undefined (γ of a flock that stands, say).
+    Parameters
+    ----------
+    run : MeasuredRun
+        The run; what is computed stays with it.
+
+    Returns
+    -------
+    dict of Number
+        By key; NaN where a number is undefined (γ of a flock that stands, say).
     """
     found = {key: scalar.of(run) for key, scalar in catalogue.scalars().items()}
     return {key: number for key, number in found.items() if number is not None}

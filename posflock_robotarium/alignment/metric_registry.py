@@ -26,7 +26,21 @@ GROUPS = ("Run", "Alignment", "Motion", "Cohesion", "Safety", "Certificate", "Co
 
 @dataclass(frozen=True)
 class Number:
-    """One scalar of the summary of a run."""
+    """One scalar of the summary of a run.
+
+    Attributes
+    ----------
+    label : str
+        Words for people.
+    value : float
+        NaN where undefined.
+    unit : str
+        Empty for pure numbers; ``share`` is shown in per cent.
+    definition : str
+        Exactly what was taken.
+    group : str
+        Heading in the table of numbers.
+    """
 
     label: str
     value: float
@@ -72,6 +86,11 @@ class Scalar:
 
     def of(self, run: MeasuredRun) -> Number | None:
         """Return the number of one run; None where the recording has no data for it.
+
+        Parameters
+        ----------
+        run : MeasuredRun
+            What the value is taken of, and whose attributes fill the braces of the words.
 
         Raises
         ------
@@ -159,6 +178,11 @@ _SCALARS: dict[str, Scalar] = {}
 def register(*entries: Metric | Scalar) -> None:
     """Make metrics known, or numbers that are taken from no curve.
 
+    Parameters
+    ----------
+    *entries : Metric or Scalar
+        A metric brings its numbers with it. The order is that of tables, columns and plots.
+
     Raises
     ------
     ParameterError
@@ -181,10 +205,15 @@ def register(*entries: Metric | Scalar) -> None:
 def forget(*entries: Metric | Scalar) -> None:
     """Take out again what was registered.
 
+    Parameters
+    ----------
+    *entries : Metric or Scalar
+        The very objects that were given to `register`; the numbers of a metric go with it.
+
     Raises
     ------
     ParameterError
-        Where it was not.
+        Where one was not registered.
     """
     for entry in entries:
         known = _METRICS if isinstance(entry, Metric) else _SCALARS

@@ -64,7 +64,20 @@ class AnalysisOptions:
 
 
 def settled_samples(t: Floats, settle: float | None) -> NDArray[np.bool_]:
-    """Return which samples come later than `settle` seconds; all of them in a shorter run."""
+    """Return which samples come later than `settle` seconds; all of them in a shorter run.
+
+    Parameters
+    ----------
+    t : (T,) array
+        Times, s, of any origin: seconds are counted from the first.
+    settle : float, optional
+        Seconds at the start that do not count; `SETTLE` by default.
+
+    Returns
+    -------
+    (T,) boolean array
+        Whether each sample counts.
+    """
     elapsed = t - t[0]
     settle = SETTLE if settle is None else settle
     later = ties.beyond(elapsed, settle)

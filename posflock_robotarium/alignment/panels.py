@@ -34,9 +34,9 @@ class Panel:
     Attributes
     ----------
     key : str
-        Its name for programs.
+        What programs call the plot: a plain name that no other plot has.
     title : str
-        Its heading.
+        What people read above the plot.
     unit : str
         What the vertical axis is in; empty for pure numbers.
     limits : pair of float
@@ -88,7 +88,13 @@ READING_ORDER = (
 
 
 def in_reading_order(panels: Iterable[Panel]) -> list[Panel]:
-    """Return each plot once: those of `READING_ORDER` first, then any other as it comes."""
+    """Return each plot once: those of `READING_ORDER` first, then any other as it comes.
+
+    Parameters
+    ----------
+    panels : iterable of Panel
+        The plots that are wanted, repeated or not.
+    """
     wanted = list(dict.fromkeys(panels))
     known = [panel for panel in READING_ORDER if panel in wanted]
     return known + [panel for panel in wanted if panel not in READING_ORDER]

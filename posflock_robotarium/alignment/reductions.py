@@ -9,7 +9,13 @@ from posflock_robotarium.alignment.metric_registry import NumberFunction
 
 
 def settled_mean(key: str) -> NumberFunction:
-    """Return a function of a run: the mean of a curve over the settled part, where defined."""
+    """Return a function of a run: the mean of a curve over the settled part, where defined.
+
+    Parameters
+    ----------
+    key : str
+        Key of the metric whose curve it is; the number has the unit of the curve.
+    """
 
     def mean(run: MeasuredRun) -> float | None:
         curve = run.curve(key)
@@ -19,7 +25,13 @@ def settled_mean(key: str) -> NumberFunction:
 
 
 def smallest(key: str) -> NumberFunction:
-    """Return a function of a run: the least value of a curve, where defined."""
+    """Return a function of a run: the least value of a curve, where defined.
+
+    Parameters
+    ----------
+    key : str
+        Key of the metric whose curve it is; the number has the unit of the curve.
+    """
 
     def least(run: MeasuredRun) -> float | None:
         curve = run.curve(key)
@@ -29,7 +41,13 @@ def smallest(key: str) -> NumberFunction:
 
 
 def largest(key: str) -> NumberFunction:
-    """Return a function of a run: the greatest value of a curve, where defined."""
+    """Return a function of a run: the greatest value of a curve, where defined.
+
+    Parameters
+    ----------
+    key : str
+        Key of the metric whose curve it is; the number has the unit of the curve.
+    """
 
     def greatest(run: MeasuredRun) -> float | None:
         curve = run.curve(key)

@@ -36,23 +36,13 @@ from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.law import (
     PAPER_SIMULATION,
     LawParameters,
-    check_states,
-    displacements,
-    position_based_input,
     saturate,
-    velocity_based_input,
 )
-from posflock_robotarium.freespace.neighbour_search import (
-    TREE_FROM_AGENTS,
-    neighbour_pairs,
-    position_based_input_over,
-    velocity_based_input_over,
-)
-from posflock_robotarium.freespace.sensing import Sensed, Sensing, Sensors
+from posflock_robotarium.freespace.inputs import DenseInput, OwnInput, OwnLaw, TreeInput
+from posflock_robotarium.freespace.neighbour_search import TREE_FROM_AGENTS
+from posflock_robotarium.freespace.sensing import Sensing, Sensors
 
 Floats = NDArray[np.float64]
-#: An input of one's own, (B, d, n) in m/s², before saturation.
-OwnLaw = Callable[[Sensed, LawParameters], Floats]
 Seed = int | np.random.SeedSequence | np.random.Generator
 
 #: Numbers in one (B, n, n) array of a batch that still fits the processor's cache.
@@ -348,69 +338,11 @@ def _simulate(scenario: FreeSpace, generators: Sequence[np.random.Generator]) ->
 
 def _law(scenario: FreeSpace, sensors: Sensors) -> Callable[[Floats, Floats, float], Floats]:
     if scenario.own_law is not None:
-        return _OwnLaw(scenario.own_law, scenario.law, sensors)
-    return (_TreeLaw if scenario.agents >= TREE_FROM_AGENTS else _DenseLaw)(scenario, sensors)
-
-
-class _OwnLaw:
-    """A user's input, which must be finite and have the shape of the states."""
-
-    def __init__(self, own_law: OwnLaw, law: LawParameters, sensors: Sensors) -> None:
-        self._own_law, self._law, self._sensors = own_law, law, sensors
-        self._first: Floats | None = None
-
-    def __call__(self, positions: Floats, velocities: Floats, time: float) -> Floats:
-        p, v = self._sensors.read(positions, velocities)
-        if self._first is None:
-            self._first = p
-        sensed = Sensed(p, v, self._first, time, self._sensors.detected(time))
-        return check_states(self._own_law(sensed, self._law), "input of the own law", like=p)
-
-
-class _DenseLaw:
-    """The model's input from all n² pairs; the imprint is taken from what is sensed first."""
-
-    def __init__(self, scenario: FreeSpace, sensors: Sensors) -> None:
-        self._scenario, self._sensors = scenario, sensors
-        self._imprint: Floats | None = None
-
-    def __call__(self, positions: Floats, velocities: Floats, time: float) -> Floats:
-        model, law = self._scenario.model, self._scenario.law
-        p, v = self._sensors.read(positions, velocities)
-        if self._imprint is None:
-            self._imprint = displacements(p)
-        detected = self._sensors.detected(time)
-        if model is Model.VELOCITY:
-            return velocity_based_input(p, v, law, detected=detected)
-        threshold = model is Model.POSITION
-        return position_based_input(
-            p, self._imprint, time, law, threshold=threshold, detected=detected
-        )
-
-
-class _TreeLaw:
-    """The same from a list of the pairs in reach, flock by flock."""
-
-    def __init__(self, scenario: FreeSpace, sensors: Sensors) -> None:
-        self._scenario, self._sensors = scenario, sensors
-        self._first: Floats | None = None
-
-    def __call__(self, positions: Floats, velocities: Floats, time: float) -> Floats:
-        p, v = self._sensors.read(positions, velocities)
-        if self._first is None:
-            self._first = p
-        return np.stack([self._of(flock, p[flock], v[flock], time) for flock in range(len(p))])
-
-    def _of(self, flock: int, p: Floats, v: Floats, time: float) -> Floats:
-        model, law = self._scenario.model, self._scenario.law
-        pairs = neighbour_pairs(p, law.radius)
-        detected = self._sensors.detected_among(flock, pairs.other, time)
-        if detected is not None:
-            pairs = pairs.where(detected)
-        if model is Model.VELOCITY:
-            return velocity_based_input_over(pairs, p, v, law)
-        assert self._first is not None
-        threshold = model is Model.POSITION
-        return position_based_input_over(
-            pairs, p, self._first[flock], time, law, threshold=threshold
-        )
+        return OwnInput(scenario.own_law, scenario.law, sensors)
+    kind = TreeInput if scenario.agents >= TREE_FROM_AGENTS else DenseInput
+    return kind(
+        scenario.law,
+        sensors,
+        velocity_based=scenario.model is Model.VELOCITY,
+        threshold=scenario.model is Model.POSITION,
+    )

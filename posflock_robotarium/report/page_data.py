@@ -32,7 +32,17 @@ EVENTS_SHOWN = 200
 
 @dataclass(frozen=True)
 class Mark:
-    """A fault on the time axis of the replay, in seconds."""
+    """A fault on the time axis of the replay.
+
+    Attributes
+    ----------
+    kind : str
+        ``collision`` or ``boundary``.
+    robots : tuple of int
+        Whom it concerns, counted from 0.
+    t, end : float
+        When it began and when it was over, s.
+    """
 
     kind: str
     robots: tuple[int, ...]
@@ -82,7 +92,21 @@ class Replay:
 
 @dataclass(frozen=True)
 class Series:
-    """One line of a plot; `extent` is its least, mean and greatest value, `values` base64."""
+    """One line of a plot.
+
+    Attributes
+    ----------
+    label : str
+        Words for the legend; of several runs that are overlaid, the name of the run.
+    key : str
+        Key of the metric.
+    unit : str
+        Of the values; empty for pure numbers.
+    extent : tuple of float or None
+        Least, mean and greatest of the values; None where none is defined.
+    values : str
+        Base64 of 32-bit values on the time axis of the page, NaN where undefined.
+    """
 
     label: str
     key: str
@@ -93,7 +117,23 @@ class Series:
 
 @dataclass(frozen=True)
 class Plot:
-    """One plot over time, as its `Panel` describes it; `lines` are pairs of level and label."""
+    """One plot over time, as its `Panel` describes it.
+
+    Attributes
+    ----------
+    key : str
+        What the scripts call the plot.
+    title : str
+        What people read above it.
+    unit : str
+        What the vertical axis is in; empty for pure numbers.
+    limits : pair of float or None
+        Ends of that axis; None where the curves decide.
+    lines : tuple of (float, str)
+        Levels to hold the curves against, in that unit, and what lies there.
+    series : tuple of Series
+        The curves; a plot without any is not shown.
+    """
 
     key: str
     title: str
@@ -105,7 +145,17 @@ class Plot:
 
 @dataclass(frozen=True)
 class Watched:
-    """A curve whose value stands beside the replay."""
+    """A curve whose value stands beside the replay.
+
+    Attributes
+    ----------
+    key : str
+        Key of the metric, by which the scripts find its `Series`.
+    label : str
+        Words for people.
+    unit : str
+        Of the value; empty for pure numbers.
+    """
 
     key: str
     label: str
@@ -114,7 +164,22 @@ class Watched:
 
 @dataclass(frozen=True)
 class PageData:
-    """Everything that the scripts are given; `time` is base64, `gaps` in seconds."""
+    """Everything that the scripts are given.
+
+    Attributes
+    ----------
+    runs : tuple of Replay
+        One, or several that are overlaid.
+    time : str
+        Base64 of the 32-bit times of all curves, s: as logged of one run, since their first
+        poses of several.
+    gaps : list of float
+        Times at which the log of one run goes on after a gap, s; empty of several runs.
+    panels : tuple of Plot
+        In reading order, those that have a curve.
+    beside_replay : tuple of Watched
+        Values that are shown beside the replay of one run; several have none there.
+    """
 
     runs: tuple[Replay, ...]
     time: str

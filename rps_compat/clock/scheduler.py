@@ -19,19 +19,17 @@ place, in real time: whoever sleeps must wake.
 from __future__ import annotations
 
 import contextlib
-import heapq
 import math
 from collections.abc import Iterator
-from itertools import count
 
 from rps_compat.clock import real
+from rps_compat.clock.deadlines import Deadlines
 from rps_compat.clock.roster import LOOK_AGAIN, Roster
+from rps_compat.clock.standstill import Standstill
 from rps_compat.clock.stuck import Stuck
 from rps_compat.clock.threads import ScriptThread, State
 from rps_compat.clock.waits import Wait
 
-#: CPU seconds that threads may use among themselves while time stands still.
-STANDSTILL = 0.5
 #: Waits shorter than this many seconds take as long if a thread makes more than some in a row.
 SHORTEST, SOME = 1e-4, 10
 #: Real seconds that all must have waited for ever: something that Python does not see may come.
@@ -74,11 +72,10 @@ class Scheduler(Roster):
         super()._begin()
         self._polled: list[Wait] = []
         self.alarm: Wait | None = None
-        self._deadlines: list[tuple[float, int, Wait]] = []
-        self._order = count()
+        self._deadlines = Deadlines()
         self._leash: tuple[float, float] | None = None
         self._silent_since: float | None = None
-        self._standstill, self._stood_at = STANDSTILL, math.nan
+        self._standstill = Standstill()
 
     # --- Waiting --------------------------------------------------------------------------------
 
@@ -177,7 +174,7 @@ class Scheduler(Roster):
         """
         with self.lock:
             wait.deadline = self.elapsed + max(seconds, 0.0)
-            heapq.heappush(self._deadlines, (wait.deadline, next(self._order), wait))
+            self._deadlines.add(wait)
             self._changed()
 
     def wake(self, wait: Wait) -> None:
@@ -305,7 +302,7 @@ class Scheduler(Roster):
         goal = min(self.next_deadline(), target)
         if self.busy or self.out:
             self.review()
-            if any(thread.turn for thread in self.busy) and self._may_stand_still():
+            if any(thread.turn for thread in self.busy) and self._standstill.may_last():
                 return LOOK_AGAIN
         if goal > self.elapsed:
             if self._ready():
@@ -326,37 +323,21 @@ class Scheduler(Roster):
         self.check_length()
         return 0.0
 
-    def _may_stand_still(self) -> bool:
-        """Whether time may still wait for threads that have their turn.
-
-        Two that wake each other for ever would keep it from moving; on the whole they get no more
-        CPU time than simulated time passes.
-        """
-        cpu = real.process_time()
-        if self._stood_at == self._stood_at:
-            self._standstill -= cpu - self._stood_at
-        self._stood_at = cpu
-        return self._standstill > 0
-
     def _move(self, time: float) -> None:
         """Move time to `time`, if that lies ahead."""
         if time > self.elapsed:
-            self._standstill = min(self._standstill + time - self.elapsed, STANDSTILL)
-            self._stood_at = math.nan
+            self._standstill.ends(time - self.elapsed)
             self.elapsed = time
 
     def next_deadline(self) -> float:
         """When the next wait ends; infinity where none does."""
-        deadlines = self._deadlines
-        while deadlines and deadlines[0][2].over:
-            heapq.heappop(deadlines)
-        return deadlines[0][0] if deadlines else math.inf
+        return self._deadlines.earliest()
 
     def fire_next(self) -> bool:
         """End the first wait whose deadline has come; return whether there was one."""
         if self.next_deadline() > self.elapsed:
             return False
-        heapq.heappop(self._deadlines)[2].fire()
+        self._deadlines.take().fire()
         return True
 
     def _ready(self) -> bool:

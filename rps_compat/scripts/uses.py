@@ -16,12 +16,12 @@ from typing import TypeAlias
 from rps_compat.scripts import api
 from rps_compat.scripts.api import ApiName, Role
 from rps_compat.scripts.changes import Change, Kind, change_of
-from rps_compat.scripts.exports import canonical
 from rps_compat.scripts.faces import parameters
 from rps_compat.scripts.generation_names import OLD_COUNTED, ROBOTARIUM, UNMISTAKABLE, counterpart
 from rps_compat.scripts.guards import Guards
 from rps_compat.scripts.libraries import ABSENT, is_available
 from rps_compat.scripts.lookup import bases_of, member
+from rps_compat.scripts.members import is_elsewhere, matter_of, matter_with
 from rps_compat.scripts.program import ROBOTS, Module, Program
 from rps_compat.scripts.syntax import newer_syntax, newer_than_the_testbeds
 from rps_compat.scripts.values import (
@@ -243,20 +243,9 @@ class _Detector:
         for alias in node.names:
             if alias.name == "*":
                 continue
-            entry = self._asked_of(path, alias.name)
+            entry = matter_of(path, alias.name)
             if entry is not None:
                 yield self._use(alias, entry)
-
-    def _asked_of(self, path: str, name: str) -> Entry | None:
-        """Return what is the matter with `name` of an imported module, class or instance."""
-        if path.removesuffix("()") in ROBOTS:
-            return api.attribute_of_api(name)
-        if path == "rps" or path.startswith("rps."):
-            if "(" in path or not api.module_of_api(path).generations:
-                return None
-            entry = api.member_of_api(path, name)
-            return None if entry.generations >= api.BOTH else entry
-        return change_of(canonical(f"{path}.{name}"))
 
     # --- Names and attributes ----------------------------------------------------------------
 
@@ -277,7 +266,7 @@ class _Detector:
                     yield self._use(node, change)
             elif path in self._imported.get(node.id, ()):
                 module, _, name = path.rpartition(".")
-                entry_of_import = self._asked_of(module, name)
+                entry_of_import = matter_of(module, name)
                 if entry_of_import is not None:
                     yield self._use(node, entry_of_import, follows=True)
 
@@ -299,7 +288,7 @@ class _Detector:
 
     def _attribute(self, node: ast.Attribute) -> Iterator[Use]:
         owners = self._program.values.get(node.value, frozenset()) - {UNBOUND}
-        entries = [self._of_owner(owner, node.attr) for owner in owners if not _elsewhere(owner)]
+        entries = [matter_with(owner, node.attr) for owner in owners if not is_elsewhere(owner)]
         found = {entry for entry in entries if entry is not None}
         if found and None not in entries:
             for entry in found:
@@ -312,17 +301,6 @@ class _Detector:
             known = api.attribute_of_api(node.attr)
             assert known is not None
             yield self._use(node, known)
-
-    def _of_owner(self, owner: object, name: str) -> Entry | None:
-        if isinstance(owner, Origin):
-            return self._asked_of(owner.path, name)
-        if isinstance(owner, (Instance, Class)):
-            of = owner.of if isinstance(owner, Instance) else owner
-            found = member(of, name, owner)
-            inherited = {v.path.removesuffix(f".{name}") for v in found if isinstance(v, Origin)}
-            if bases_of(of) & ROBOTS and {p.removesuffix("()") for p in inherited} & ROBOTS:
-                return api.attribute_of_api(name)
-        return None
 
     @cached_property
     def _own_names(self) -> set[str]:
@@ -374,14 +352,6 @@ class _Detector:
                 if name in OLD_COUNTED:
                     old = ApiName("number_of_agents", Role.ARGUMENT, frozenset({0}), of=name)
                     yield self._use(node.args[0], old)
-
-
-def _elsewhere(owner: object) -> bool:
-    """Whether a value comes from a library that the testbed has not: it is another there."""
-    return isinstance(owner, Origin) and not (
-        is_available(owner.path.partition(".")[0].removesuffix("()"))
-        or owner.path.startswith("builtins.")
-    )
 
 
 def constructor_arguments(program: Program, node: ast.Call) -> list[ast.expr] | None:

@@ -14,7 +14,8 @@ from rps_compat import session
 from rps_compat.arena import Arena, Array, require_finite
 from rps_compat.errors import CommandError, ConstructorError
 from rps_compat.figure import ArenaFigure
-from rps_compat.initial import checked_poses, drawn_poses, drive_to, first_poses
+from rps_compat.initial import checked_poses, drawn_poses, first_poses
+from rps_compat.initial_drive import drive_to
 from rps_compat.lazy import LazyModule
 from rps_compat.pace import pace_of
 from rps_compat.report import MESSAGES

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from rps_compat.arena import Array
 from rps_compat.errors import CallOrderError
-from rps_compat.initial import checked_poses, drive_to
+from rps_compat.initial import checked_poses
+from rps_compat.initial_drive import drive_to
 from rps_compat.report import report_on
 from rps_compat.v2.robotarium_abc import ARobotarium
 

@@ -16,7 +16,15 @@ from posflock_robotarium.flocking.law import neighbours
 
 
 class Connectivity(NamedTuple):
-    """What the neighbour graph says over time, each of shape (T,)."""
+    """What the neighbour graph says over time.
+
+    Parameters
+    ----------
+    components : (T,) array
+        Number of groups that no chain of neighbours connects.
+    algebraic : (T,) array
+        Second smallest eigenvalue of the graph's Laplacian, from 0 to N.
+    """
 
     components: Floats
     algebraic: Floats

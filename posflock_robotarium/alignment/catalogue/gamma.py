@@ -15,7 +15,20 @@ FEWEST_COUNTED = 0.005
 
 
 def alignment_of(run: MeasuredRun, estimator: str) -> metrics.Alignment:
-    """Return γ over time by one estimator; ask for it by ``run.once(alignment_of, estimator)``."""
+    """Return γ over time by one estimator; ask for it by ``run.once(alignment_of, estimator)``.
+
+    Parameters
+    ----------
+    run : MeasuredRun
+        The run, with its neighbour radius and its least speed.
+    estimator : str
+        How the direction of motion is found, a key of `estimators.ESTIMATORS`.
+
+    Returns
+    -------
+    Alignment
+        γ and the number of robots that it is taken over, (T,) arrays.
+    """
     velocities, samples = run.velocities(estimator), len(run.recording.t)
     gamma, counted = np.empty(samples), np.empty(samples, dtype=int)
     for stretch in run.stretches():
@@ -30,7 +43,15 @@ def alignment_of(run: MeasuredRun, estimator: str) -> metrics.Alignment:
 
 
 def least_speed(run: MeasuredRun, estimator: str) -> float:
-    """Return the speed in m/s up to which a robot has no direction; a heading it always has."""
+    """Return the speed in m/s up to which a robot has no direction; a heading it always has.
+
+    Parameters
+    ----------
+    run : MeasuredRun
+        The run, whose options hold the speed, m/s.
+    estimator : str
+        How the direction of motion is found, a key of `estimators.ESTIMATORS`.
+    """
     return 0.0 if estimator == "headings" else run.options.slowest
 
 

@@ -5,21 +5,15 @@ rows stands in ``docs/utilities.md``. None of them changes its arguments.
 """
 
 import itertools
-from collections.abc import Callable
-from functools import cache
-from typing import Any
 
 import numpy as np
 from numpy import dot
 
-from barrier_certificates.single_integrator import SingleIntegratorCertificate
-from rps_compat import certificates, deviations, kinematics
-from rps_compat.arguments import NumberError, number
-from rps_compat.arguments import matrix as require_matrix
-from rps_compat.certificates import PointsAhead
+from rps_compat.arguments import number
 from rps_compat.deferred import comb, matrix, qp, sparse
-from rps_compat.kinematics import HALF_TURN, Array
+from rps_compat.kinematics import Array
 from rps_compat.testbed import GRITSBOT_X
+from rps_compat.v1.point_certificates import Filter, single_integrator, unicycle
 from rps_compat.v1.utilities.transformations import (
     create_si_to_uni_dynamics,
     create_si_to_uni_dynamics_with_backwards_motion,
@@ -50,16 +44,7 @@ __all__ = [
     "sparse",
 ]
 
-Filter = Callable[[Array, Array], Array]
-
 ARENA = np.array(GRITSBOT_X.boundaries)
-
-#: Robots are 11 cm wide, so a smaller radius keeps nobody apart.
-SMALLEST_RADIUS = 0.12
-
-#: The fastest that robots can drive (m/s), and the limit of the published unicycle certificates
-#: whatever their ``magnitude_limit``.
-TOP_SPEED = 0.2
 
 
 def create_single_integrator_barrier_certificate(
@@ -88,7 +73,7 @@ def create_single_integrator_barrier_certificate(
     NumberError
         A parameter is of the wrong type or outside its range.
     """
-    return _single_integrator(barrier_gain, safety_radius, magnitude_limit)
+    return single_integrator(barrier_gain, safety_radius, magnitude_limit)
 
 
 def create_single_integrator_barrier_certificate_with_boundary(
@@ -120,9 +105,7 @@ def create_single_integrator_barrier_certificate_with_boundary(
     NumberError
         A parameter is of the wrong type or outside its range.
     """
-    return _single_integrator(
-        barrier_gain, safety_radius, magnitude_limit, walls=(boundary_points,)
-    )
+    return single_integrator(barrier_gain, safety_radius, magnitude_limit, walls=(boundary_points,))
 
 
 def create_single_integrator_barrier_certificate2(
@@ -155,7 +138,7 @@ def create_single_integrator_barrier_certificate2(
         A parameter is of the wrong type or outside its range.
     """
     number("unsafe_barrier_gain", unsafe_barrier_gain, above=0)
-    return _single_integrator(barrier_gain, safety_radius, magnitude_limit, unsafe_barrier_gain)
+    return single_integrator(barrier_gain, safety_radius, magnitude_limit, unsafe_barrier_gain)
 
 
 def create_unicycle_barrier_certificate(
@@ -190,7 +173,7 @@ def create_unicycle_barrier_certificate(
     NumberError
         A parameter is of the wrong type or outside its range.
     """
-    return _unicycle(barrier_gain, safety_radius, projection_distance, magnitude_limit)
+    return unicycle(barrier_gain, safety_radius, projection_distance, magnitude_limit)
 
 
 def create_unicycle_barrier_certificate_with_boundary(
@@ -225,7 +208,7 @@ def create_unicycle_barrier_certificate_with_boundary(
     NumberError
         A parameter is of the wrong type or outside its range.
     """
-    return _unicycle(
+    return unicycle(
         barrier_gain, safety_radius, projection_distance, magnitude_limit, walls=(boundary_points,)
     )
 
@@ -263,7 +246,7 @@ def create_unicycle_barrier_certificate2(
         A parameter is of the wrong type or outside its range.
     """
     number("unsafe_barrier_gain", unsafe_barrier_gain, above=0)
-    return _unicycle(
+    return unicycle(
         barrier_gain, safety_radius, projection_distance, magnitude_limit, unsafe_barrier_gain
     )
 
@@ -385,81 +368,3 @@ def create_unicycle_differential_drive_barrier_certificate_with_boundary(
             walls=(boundary_points,),
         )
     )
-
-
-def _single_integrator(
-    barrier_gain: float,
-    safety_radius: float,
-    magnitude_limit: float,
-    unsafe_gain: float | None = None,
-    walls: tuple[Any, ...] = (),
-) -> Filter:
-    number("barrier_gain", barrier_gain, above=0)
-    number("safety_radius", safety_radius, least=SMALLEST_RADIUS)
-    number("magnitude_limit", magnitude_limit, above=0, most=TOP_SPEED)
-
-    @cache
-    def certificate() -> SingleIntegratorCertificate:
-        boundary = certificates.boundary(walls[0]) if walls else None
-        return certificates.points_apart(
-            safety_radius, barrier_gain, unsafe_gain=unsafe_gain, walls=boundary
-        )
-
-    def f(dxi: Array, x: Array) -> Array:
-        require_matrix("dxi", dxi, 2)
-        require_matrix("x", x, 2, dxi.shape[1])
-        safe_velocities = certificate()
-        wanted = kinematics.scaled_to_norm(dxi, magnitude_limit)
-        if dxi.dtype.kind == "f" and deviations.as_published("certificates change their input"):
-            dxi[:] = wanted
-        if dxi.dtype != np.float64:
-            raise NumberError(
-                f"dxi holds {dxi.dtype}, expected float64: convert it with dxi.astype(float)"
-            )
-        certificates.require_finite("dxi", dxi)
-        certificates.require_finite("x", x)
-        if dxi.shape[1] == 0:
-            return wanted
-        return certificates.certify(safe_velocities, wanted, x.astype(float))[0]
-
-    return f
-
-
-def _unicycle(
-    barrier_gain: float,
-    safety_radius: float,
-    projection_distance: float,
-    magnitude_limit: float,
-    unsafe_gain: float | None = None,
-    walls: tuple[Any, ...] = (),
-) -> Filter:
-    number("barrier_gain", barrier_gain, above=0)
-    number("safety_radius", safety_radius, least=SMALLEST_RADIUS)
-    number("projection_distance", projection_distance, above=0)
-    number("magnitude_limit", magnitude_limit, above=0, most=TOP_SPEED)
-    if deviations.as_published("magnitude_limit of unicycle certificates"):
-        magnitude_limit = TOP_SPEED
-
-    @cache
-    def certificate() -> PointsAhead:
-        boundary = certificates.boundary(walls[0]) if walls else None
-        points = certificates.points_apart(
-            safety_radius + projection_distance,
-            barrier_gain,
-            unsafe_gain=unsafe_gain,
-            walls=boundary,
-        )
-        return PointsAhead(
-            points, projection_distance, speed_limit=magnitude_limit, turn_rate_limit=HALF_TURN
-        )
-
-    def f(dxu: Array, x: Array) -> Array:
-        require_matrix("dxu", dxu, 2)
-        require_matrix("x", x, 3, dxu.shape[1])
-        certificates.require_finite("dxu", dxu)
-        certificates.require_finite("x", x)
-        if dxu.shape[1] == 0:
-            return dxu.astype(float)
-        return certificate()(dxu, x)[0]
-
-    return f

@@ -1,14 +1,20 @@
 """Controllers by the names of generation 2. The mathematics is in :mod:`rps_compat.controllers`."""
 
-from collections.abc import Callable, MutableSequence
-from typing import Any, Protocol
+from collections.abc import MutableSequence
+from typing import Any
 
 import numpy as np
 
 from rps_compat import controllers, kinematics
-from rps_compat.arguments import ShapeError, matrix, number, scalar
-from rps_compat.controllers import Flags, Hysteresis
+from rps_compat.arguments import matrix, number, scalar
 from rps_compat.kinematics import Array
+from rps_compat.v2.drive_then_turn import (
+    Controller,
+    DriveThenTurn,
+    HybridController,
+    flags_of,
+    robots_of,
+)
 from rps_compat.v2.utilities.transformations import (
     create_si_to_uni_dynamics,
     create_si_to_uni_dynamics_with_backwards_motion,
@@ -29,37 +35,6 @@ __all__ = [
     "create_uni_to_si_mapping",
     "np",
 ]
-
-#: Turn rate for each radian of heading error of a robot that turns on the spot (1/s).
-ROTATION_GAIN = 2.0
-
-Controller = Callable[[Array, Array], Array]
-
-
-class HybridController(Protocol):
-    """A function of poses and goals that may be handed the memory of who is approaching."""
-
-    def __call__(
-        self, states: Array, poses: Array, in_approach_state: MutableSequence[int] | None = ...
-    ) -> Any:
-        """Return commands that bring robots to their poses.
-
-        Parameters
-        ----------
-        states : (3, N) array
-            Poses now, m and rad.
-        poses : (3, N) array
-            Poses to reach, m and rad.
-        in_approach_state : sequence of N flags, optional
-            Who is still approaching; updated in place.
-
-        Returns
-        -------
-        commands : (2, N) array
-            Commands (v; ω), m/s and rad/s.
-        in_approach_state : sequence of N flags
-            The memory, if it was handed in.
-        """
 
 
 def create_si_position_controller(
@@ -277,7 +252,7 @@ def create_pose_controller_hybrid(
     NumberError
         A parameter is outside its range.
     """
-    step = _Hybrid(
+    step = DriveThenTurn(
         create_si_to_uni_dynamics(linear_velocity_gain, angular_velocity_limit),
         velocity_magnitude_limit,
         position_error,
@@ -290,8 +265,8 @@ def create_pose_controller_hybrid(
     ) -> Any:
         if in_approach_state is None:
             return step(states, poses)
-        robots = _robots(states, poses)
-        commands, approaching = step.advance(states, poses, _flags(in_approach_state, robots))
+        robots = robots_of(states, poses)
+        commands, approaching = step.advance(states, poses, flags_of(in_approach_state, robots))
         for robot in range(robots):
             in_approach_state[robot] = int(approaching[robot])
         return commands, in_approach_state
@@ -334,7 +309,7 @@ def create_pose_parking_controller_hybrid(
     NumberError
         A parameter is outside its range.
     """
-    step = _Hybrid(
+    step = DriveThenTurn(
         create_si_to_uni_dynamics(linear_velocity_gain, angular_velocity_limit),
         velocity_magnitude_limit,
         position_error,
@@ -348,64 +323,6 @@ def create_pose_parking_controller_hybrid(
         return commands
 
     return controller_hybrid_parking
-
-
-class _Hybrid:
-    """Drive, then turn, with a memory of who is still driving."""
-
-    def __init__(
-        self,
-        drive: Controller,
-        speed_limit: float,
-        position_error: float,
-        position_epsilon: float,
-        rotation_error: float,
-    ) -> None:
-        self._drive = drive
-        self._speed_limit = speed_limit
-        self._position_error = position_error
-        self._position_epsilon = position_epsilon
-        self._rotation_error = rotation_error
-        self._approaching: Flags | None = None
-
-    def __call__(self, states: Array, poses: Array) -> Array:
-        robots = _robots(states, poses)
-        if self._approaching is None or self._approaching.size != robots:
-            self._approaching = np.ones(robots, dtype=bool)
-        commands, self._approaching = self.advance(states, poses, self._approaching)
-        return commands
-
-    def advance(self, states: Array, poses: Array, approaching: Flags) -> tuple[Array, Flags]:
-        """Commands (2, N), and who approaches in the next step (N,)."""
-        scalar("position_error", self._position_error)
-        scalar("position_epsilon", self._position_epsilon)
-        poses = poses[:, : states.shape[1]]
-        driving, next_approaching = Hysteresis(
-            self._position_error, self._position_epsilon
-        ).approaching(controllers.distances(states, poses), approaching)
-        velocities = controllers.velocity_to(poses, states, 1, 1, self._speed_limit)
-        commands = self._drive(velocities, states[:3])
-        if not driving.all():
-            turns = controllers.turn_on_the_spot(poses, states, ROTATION_GAIN, self._rotation_error)
-            commands = np.where(driving, commands, turns)
-        return commands, next_approaching
-
-
-def _robots(states: Array, poses: Array) -> int:
-    """Check both shapes; how many robots there are."""
-    matrix("states", states, 3, more_rows=True)
-    robots = int(states.shape[1])
-    matrix("poses", poses, 3, robots, more_rows=True)
-    return robots
-
-
-def _flags(in_approach_state: Any, robots: int) -> Flags:
-    flags = np.asarray(in_approach_state)
-    if flags.ndim != 1 or flags.size < robots:
-        raise ShapeError(
-            f"in_approach_state has shape {flags.shape}, expected ({robots},): a flag each robot"
-        )
-    return flags[:robots].astype(bool)
 
 
 def _wheels(wheel_radius: Any, base_length: Any) -> Array:

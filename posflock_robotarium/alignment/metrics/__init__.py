@@ -1,0 +1,69 @@
+"""What a flock does at one time: alignment, distances, cohesion, one definition each.
+
+Every function takes states with any leading axes, ``(..., d, N)``, typically ``(T, d, N)``
+for a whole run, and returns one value for each of them.  Positions are in metres,
+velocities in m/s.  The definitions are the paper's (Jond et al., Section "Simulation"),
+made exact where it leaves room.
+
+``directions``    whether agents go one way: γ, polarisation, the common heading
+``velocities``    velocities from positions, speeds, wheels
+``distances``     from each other and from the walls
+``cohesion``      how close together, and how much of the formation is kept
+``connectivity``  whether the graph of neighbours holds the flock together
+"""
+
+from posflock_robotarium.alignment.metrics.cohesion import (
+    cohesive_radius,
+    pairwise_change_variance,
+    pairwise_distance_variance,
+    spread,
+)
+from posflock_robotarium.alignment.metrics.connectivity import (
+    algebraic_connectivity,
+    connected_components,
+)
+from posflock_robotarium.alignment.metrics.directions import (
+    Alignment,
+    alignment,
+    common_heading,
+    heading_vectors,
+    polarisation,
+)
+from posflock_robotarium.alignment.metrics.distances import (
+    nearest_neighbour_distance,
+    pairwise_distances,
+    smallest_distance,
+    wall_distance,
+)
+from posflock_robotarium.alignment.metrics.velocities import (
+    SLOWEST,
+    SMOOTHING_POINTS,
+    fastest_wheel,
+    mean_speed,
+    smoothed_velocities,
+    velocities_by_differences,
+)
+
+__all__ = [
+    "SLOWEST",
+    "SMOOTHING_POINTS",
+    "Alignment",
+    "algebraic_connectivity",
+    "alignment",
+    "cohesive_radius",
+    "common_heading",
+    "connected_components",
+    "fastest_wheel",
+    "heading_vectors",
+    "mean_speed",
+    "nearest_neighbour_distance",
+    "pairwise_change_variance",
+    "pairwise_distance_variance",
+    "pairwise_distances",
+    "polarisation",
+    "smallest_distance",
+    "smoothed_velocities",
+    "spread",
+    "velocities_by_differences",
+    "wall_distance",
+]
