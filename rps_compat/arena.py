@@ -17,20 +17,19 @@ points a little ahead of their centres (where the body's middle is) are nearer t
 diameter. :class:`Arena` knows nothing of the API's two generations: `rps_compat.v1` and
 `rps_compat.v2` give it their names and units.
 
-Two kinds of guests may be handed in. A :class:`Realism` stands between command and motion and
-between pose and measurement: with None the arena is ideal. A :class:`Recorder` is told of every
-step, whatever the script does.
+Two kinds of guests may be handed in, a `Realism` and a `Recorder`: see `rps_compat.arena_guests`.
 """
 
 from collections.abc import Iterable
 from math import isfinite
-from typing import Protocol, cast
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from barrier_certificates.ties import TIE
 from barrier_certificates.wall_distance import wall_distances
+from rps_compat.arena_guests import HearsSilence, Realism, Recorder
 from rps_compat.errors import CommandError
 from rps_compat.testbed import GRITSBOT_X, RobotModel
 from rps_compat.violations import Violations
@@ -40,86 +39,6 @@ Array = NDArray[np.float64]
 _TWO = np.array(2.0)
 # A robot that stops at half a turn keeps the sign that it came with, whatever its last bit.
 _WRAPPED_BEYOND = float(np.pi) + TIE
-
-
-class Realism(Protocol):
-    """How far reality is from the ideal arena; ``None`` in its place means ideal."""
-
-    def reset(self, poses: Array, time_step: float, rng: np.random.Generator) -> None:
-        """Begin a run.
-
-        Parameters
-        ----------
-        poses : (3, N) array
-            Where the robots stand, m and rad.
-        time_step : float
-            Duration of a step, s.
-        rng : Generator
-            Where all randomness of the run is drawn from.
-        """
-
-    def actuate(self, velocities: Array, poses: Array, time: float) -> Array:
-        """Return the velocities that the robots really drive in one step.
-
-        Parameters
-        ----------
-        velocities : (2, N) array
-            What was commanded, cut at the wheels' limits, m/s and rad/s. Not to be changed.
-        poses : (3, N) array
-            True poses at the start of the step, m and rad. Not to be changed.
-        time : float
-            Seconds since the start of the run.
-
-        Returns
-        -------
-        (2, N) array
-            Forward speeds, m/s, and turn rates, rad/s.
-        """
-
-    def observe(self, poses: Array) -> Array:
-        """Return the poses as the tracking system reports them.
-
-        Parameters
-        ----------
-        poses : (3, N) array
-            True poses, m and rad; stay unchanged.
-
-        Returns
-        -------
-        (3, N) array
-            Measured poses, m and rad.
-        """
-
-
-class HearsSilence(Protocol):
-    """A realism that cares when commands stop, as robots do that brake after half a second.
-
-    Attributes
-    ----------
-    commanded
-        Set by the arena before each step: whether there was a command since the last one.
-    """
-
-    commanded: bool
-
-
-class Recorder(Protocol):
-    """What is told of every step of every arena; the pose log is one."""
-
-    def append(self, time: float, poses: Array, commands: Array) -> None:
-        """Take note of one step.
-
-        The arrays are the arena's own: copy what is kept.
-
-        Parameters
-        ----------
-        time : float
-            Time since the start of the run, s.
-        poses : (3, N) array
-            Poses as the script read them, m and rad.
-        commands : (2, N) array
-            Commands as given, m/s and rad/s.
-        """
 
 
 class Arena:

@@ -1,4 +1,4 @@
-"""Imperfections between a command and the motion: radio, motor controller, wheels, floor.
+"""Imperfections between a command that has arrived and the motion: motors, wheels, floor.
 
 Each is a frozen dataclass that says how large the effect is. Its ``begin`` draws a run's numbers
 and returns a function of one step, so that all that a run remembers (a queue of late commands, a
@@ -14,7 +14,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from barrier_certificates.ties import reached, short_of
+from barrier_certificates.ties import reached
 from rps_compat.draws import FLAT, ONE, Curve, Draw, require
 from rps_compat.testbed import GRITSBOT_X
 
@@ -48,175 +48,6 @@ class MotorEffect(Protocol):
             From velocities (2, N), m/s and rad/s, and the age of each command (N,), s, to the
             velocities after this effect.
         """
-
-
-@dataclass(frozen=True)
-class CommandLoss:
-    """A command misses its robot, which goes on with the last that arrived.
-
-    Attributes
-    ----------
-    probability : float
-        Of each command to each robot, from 0 to 1.
-    """
-
-    probability: float
-
-    def __post_init__(self) -> None:
-        require(0 <= self.probability <= 1, "command_loss.probability", self.probability, "0 to 1")
-
-    def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
-        """Start with robots that stand still and have heard nothing.
-
-        Parameters
-        ----------
-        robots : int
-            Number of robots, N.
-        time_step : float
-            Duration of a step, s.
-        rng : Generator
-            Where this effect draws from, now and in every step.
-        """
-        held, silence = np.zeros((2, robots)), np.zeros(robots)
-
-        def lose(velocities: Array, age: Array) -> Array:
-            arrived = (age == 0) & (rng.random(robots) >= self.probability)
-            held[:, arrived] = velocities[:, arrived]
-            silence[:] = np.where(arrived, 0.0, silence + time_step)
-            age[:] = silence
-            out: Array = held.copy()
-            return out
-
-        return lose
-
-
-@dataclass(frozen=True)
-class Watchdog:
-    """A robot brakes that has heard no command for a while.
-
-    Attributes
-    ----------
-    seconds : float
-        Of silence; the testbed brakes after 0.5.
-    """
-
-    seconds: float = 0.5
-
-    def __post_init__(self) -> None:
-        require(self.seconds > 0, "watchdog.seconds", self.seconds, "more than 0 s")
-
-    def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
-        """Start with no silence.
-
-        Parameters
-        ----------
-        robots : int
-            Number of robots, N.
-        time_step : float
-            Duration of a step, s.
-        rng : Generator
-            Where this effect draws from, now and in every step.
-        """
-
-        def brake(velocities: Array, age: Array) -> Array:
-            silent = reached(age, self.seconds)
-            return _stopped(velocities, silent)
-
-        return brake
-
-
-@dataclass(frozen=True)
-class DeadTime:
-    """A command takes effect only some time after it was given.
-
-    The delay is any number of seconds: in the step in which a command takes over, old and new
-    share the step in proportion.
-
-    Attributes
-    ----------
-    seconds : Draw
-        Per robot.
-    by_speed : Curve
-        Factor on it, at the commanded forward speed in m/s.
-    """
-
-    seconds: Draw
-    by_speed: Curve = FLAT
-
-    def __post_init__(self) -> None:
-        self.seconds.require_at_least(0.0, "dead_time.seconds")
-
-    def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
-        """Draw each robot's dead time; the past is standing still.
-
-        Parameters
-        ----------
-        robots : int
-            Number of robots, N.
-        time_step : float
-            Duration of a step, s.
-        rng : Generator
-            Where this effect draws from, now and in every step.
-        """
-        steps = self.seconds.draw(robots, rng) / time_step
-        length = int(np.ceil(steps.max(initial=0.0) * self.by_speed.largest)) + 2
-        past = np.zeros((length, 2, robots))
-        now, each = -1, np.arange(robots)
-
-        def delay(velocities: Array, age: Array) -> Array:
-            nonlocal now
-            now = (now + 1) % length
-            past[now] = velocities
-            late = steps * self.by_speed(np.abs(velocities[0]))
-            whole = late.astype(int)
-            share = late - whole
-            newer = past[(now - whole) % length, :, each].T
-            older = past[(now - whole - 1) % length, :, each].T
-            out: Array = share * older + (1 - share) * newer
-            return out
-
-        return delay
-
-
-@dataclass(frozen=True)
-class DeadBand:
-    """Motors stay off for commands below both thresholds.
-
-    Attributes
-    ----------
-    speed : float
-        Of |v|, m/s.
-    turn : float
-        Of |ω|, rad/s.
-    """
-
-    speed: float = OFF_SPEED
-    turn: float = OFF_TURN
-
-    def __post_init__(self) -> None:
-        require(self.speed >= 0, "dead_band.speed", self.speed, "0 m/s or more")
-        require(self.turn >= 0, "dead_band.turn", self.turn, "0 rad/s or more")
-
-    def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
-        """Return what one step does; there is nothing to remember.
-
-        Parameters
-        ----------
-        robots : int
-            Number of robots, N.
-        time_step : float
-            Duration of a step, s.
-        rng : Generator
-            Where this effect draws from, now and in every step.
-        """
-
-        def rest(velocities: Array, age: Array) -> Array:
-            off = short_of(np.abs(velocities[0]), self.speed) & short_of(
-                np.abs(velocities[1]), self.turn
-            )
-            return _stopped(velocities, off)
-
-        return rest
 
 
 @dataclass(frozen=True)
@@ -419,15 +250,6 @@ class Disturbance:
             return velocities + np.where(_on(velocities), noise, 0.0)
 
         return disturb
-
-
-def _stopped(velocities: Array, which: NDArray[np.bool_]) -> Array:
-    """Return velocities (2, N) with those of robots `which` (N,) set to zero."""
-    if not which.any():
-        return velocities
-    out: Array = velocities.copy()
-    out[:, which] = 0.0
-    return out
 
 
 def _on(velocities: Array) -> NDArray[np.bool_]:

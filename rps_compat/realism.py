@@ -53,18 +53,15 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
+from rps_compat.command_effects import CommandLoss, DeadBand, DeadTime, Watchdog
 from rps_compat.draws import ProfileError
 from rps_compat.motor_effects import (
     Array,
-    CommandLoss,
-    DeadBand,
-    DeadTime,
     Disturbance,
     Gains,
     Lag,
     MotorStage,
     TurnBias,
-    Watchdog,
     WheelSlew,
 )
 from rps_compat.tracking_effects import (

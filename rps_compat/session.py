@@ -18,7 +18,8 @@ from typing import Any, Literal, Protocol, get_args
 
 import numpy as np
 
-from rps_compat.arena import Arena, Array, Realism, Recorder
+from rps_compat.arena import Arena, Array
+from rps_compat.arena_guests import Realism, Recorder
 from rps_compat.errors import RobotariumError
 from rps_compat.testbed import RobotModel
 

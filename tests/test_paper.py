@@ -15,7 +15,7 @@ from posflock_robotarium.flocking.errors import OutputError, ParameterError
 from posflock_robotarium.freespace.simulation import FreeSpace, Model, simulate
 from posflock_robotarium.paper.claim import Claim, Sense, Verdict
 from posflock_robotarium.paper.claims import CLAIMS, judge_all
-from posflock_robotarium.paper.evidence import gather
+from posflock_robotarium.paper.gathering import gather
 from posflock_robotarium.paper.reproduction import reproduce
 
 #: A quarter of the agents for a quarter of the time, at the paper's density.

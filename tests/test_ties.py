@@ -19,9 +19,9 @@ from barrier_certificates.rows.walls import polygon
 from barrier_certificates.single_integrator import SingleIntegratorCertificate
 from rps_compat import controllers, graphs, kinematics, sensors
 from rps_compat.arena import Arena
+from rps_compat.command_effects import DeadBand, Watchdog
 from rps_compat.errors import InitialConditionsError
 from rps_compat.initial import check_distances, warn_of_outside
-from rps_compat.motor_effects import DeadBand, Watchdog
 from rps_compat.report import report_on
 from rps_compat.testbed import GTERNAL
 from rps_compat.v1.utilities import transformations as first

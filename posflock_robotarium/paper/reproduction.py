@@ -12,7 +12,8 @@ from posflock_robotarium.flocking.errors import OutputError
 from posflock_robotarium.freespace.simulation import FreeSpace
 from posflock_robotarium.paper.claim import Judgement, Verdict
 from posflock_robotarium.paper.claims import judge_all
-from posflock_robotarium.paper.evidence import Evidence, gather
+from posflock_robotarium.paper.evidence import Evidence
+from posflock_robotarium.paper.gathering import gather
 from posflock_robotarium.paper.tables import over_seeds, qualitative, varied
 
 

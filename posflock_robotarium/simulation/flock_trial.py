@@ -15,7 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 from posflock_robotarium.flocking.flock import Flock
 from posflock_robotarium.flocking.pose_log import row_type
 from posflock_robotarium.logs.run import How, Run
-from rps_compat.arena import Arena, Realism
+from rps_compat.arena import Arena
+from rps_compat.arena_guests import Realism
 
 
 @dataclass(frozen=True, eq=False)
