@@ -51,7 +51,8 @@ def _no_choice_of_backend() -> Iterator[None]:
     use = mpl.use
     mpl.use = lambda *args, **kwargs: None
     try:
-        yield
+        with mpl.rc_context():  # plt.ion() of one script must not outlive it
+            yield
     finally:
         mpl.use = use
 

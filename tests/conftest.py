@@ -1,4 +1,4 @@
-"""What every test gets: one seed for hypothesis' sake, no figure left open."""
+"""What every test gets: one seed for hypothesis, no figure left open, no API left installed."""
 
 import sys
 from collections.abc import Iterator
@@ -16,6 +16,14 @@ def _close_figures() -> Iterator[None]:
     pyplot = sys.modules.get("matplotlib.pyplot")
     if pyplot is not None:
         pyplot.close("all")
+
+
+@pytest.fixture(autouse=True)
+def _uninstall() -> Iterator[None]:
+    yield
+    compat = sys.modules.get("rps_compat")
+    if compat is not None:
+        compat.uninstall()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

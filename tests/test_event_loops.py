@@ -3,6 +3,7 @@
 import gc
 import warnings
 
+import matplotlib
 import pytest
 
 from rps_compat.run_settings import RunSettings
@@ -102,6 +103,13 @@ def test_steps_in_callbacks_are_made(run, name):
     assert result.exit_code == 0, said
     assert f"seen {steps} " in said
     assert result.reports[0].steps == steps
+
+
+def test_a_script_that_does_not_wait_at_show_leaves_that_to_itself(run):
+    run("plt.ion(); plt.rcParams['lines.linewidth'] = 9; plt.show()")
+    result, _ = run("a = FuncAnimation(r._fig, drive, 30, repeat=False); plt.show()")
+    assert result.reports[0].steps == 31
+    assert matplotlib.rcParams["lines.linewidth"] != 9
 
 
 def test_frames_come_at_their_interval(run):
