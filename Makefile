@@ -35,7 +35,7 @@ demo: $(VENV)/.runtime  ## the nine-robot experiment on this machine: results/ h
 	$(BIN)/python experiments/robotarium_9bot.py --out results
 
 test: $(VENV)/.dev  ## the test suite
-	$(BIN)/python -m pytest -n 2 --dist loadgroup $(PYTEST_ARGS)
+	$(BIN)/python -m pytest -n 2 --dist loadfile $(PYTEST_ARGS)
 
 test-slow: $(VENV)/.dev  ## the tests that take minutes
 	$(BIN)/python -m pytest -m slow $(PYTEST_ARGS)

@@ -224,7 +224,7 @@ ENVIRONMENTS = (
 def run(python: Path, setting: Setting, arguments: Sequence[str]) -> str:
     """Run pytest; return its last line."""
     print(f"\n=== {python.parent.parent.name}: {setting.name}", flush=True)
-    command = [str(python), "-m", "pytest", "-q", "-n", "2", "--dist", "loadgroup", *arguments]
+    command = [str(python), "-m", "pytest", "-q", "-n", "2", "--dist", "loadfile", *arguments]
     process = subprocess.Popen(
         command, cwd=ROOT, env=setting.environment(), stdout=subprocess.PIPE, text=True
     )

@@ -24,15 +24,3 @@ def _uninstall() -> Iterator[None]:
     compat = sys.modules.get("rps_compat")
     if compat is not None:
         compat.uninstall()
-
-
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Run the tests that share a costly fixture in one worker, or each worker would make it.
-
-    `pytest -n 2 --dist loadgroup` obeys.
-    """
-    for item in items:
-        assert isinstance(item, pytest.Function)
-        definitions = item._fixtureinfo.name2fixturedefs.values()
-        if any(fixture.scope == "module" for found in definitions for fixture in found):
-            item.add_marker(pytest.mark.xdist_group(item.path.stem))
