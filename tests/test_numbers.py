@@ -1,7 +1,9 @@
 """Every number of a report's summary, derived a second time from the curves and by hand."""
 
+import json
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,41 +15,9 @@ from posflock_robotarium.alignment.estimators import (
 )
 from posflock_robotarium.report import AnalysisOptions, Run, analyse
 
-#: Key → group and unit, in the order of the summary table.
-TABLE = {
-    "Run": {"robots": "", "duration": "s", "samples": "", "step": "s", "gaps": "", "gap_time": "s"},
-    "Alignment": {
-        "gamma_motion": "", "left_out_motion": "share", "gamma_headings": "",
-        "left_out_headings": "share", "gamma_differences": "", "left_out_differences": "share",
-        "time_to_alignment_motion": "s", "time_aligned_for_good_motion": "s",
-        "share_aligned_motion": "share", "steadiness_motion": "share",
-        "time_to_alignment_headings": "s", "time_aligned_for_good_headings": "s",
-        "share_aligned_headings": "share", "steadiness_headings": "share",
-        "polarisation_motion": "", "polarisation_headings": "", "heading_spread": "rad",
-    },
-    "Motion": {
-        "speed": "m/s", "drift": "m/s", "standing": "share", "robots_standing": "",
-        "standing_end": "share", "centroid_displacement": "m", "stalls": "", "stall_time": "s",
-        "fastest_wheel": "rad/s", "wheel_excess": "rad/s", "wheel_excess_steps": "",
-    },
-    "Cohesion": {
-        "cohesive_radius": "m", "cohesive_radius_ratio": "", "spread": "m", "components": "",
-        "connected": "share", "algebraic_connectivity": "",
-    },
-    "Safety": {
-        "nearest_neighbour": "m", "smallest_distance": "m", "smallest_collision_distance": "m",
-        "collisions": "", "collision_steps": "", "smallest_wall_distance": "m",
-        "boundary_events": "", "boundary_steps": "",
-    },
-    "Certificate": {
-        "interventions": "share", "intervention_mean": "m/s", "intervention_largest": "m/s",
-        "clearance": "m", "clearance_first": "m", "unsolved": "",
-    },
-    "Confidence": {
-        "noise_position": "m", "noise_heading": "rad", "noise_course": "rad", "gamma_bias": "",
-        "heading_offset": "rad",
-    },
-}  # fmt: skip
+#: What is said of each number, in the order of the summary table.
+AGREED = json.loads((Path(__file__).parent / "golden" / "metric_catalogue.json").read_text("utf-8"))
+NUMBERS = AGREED["numbers"]
 
 
 def eventful(uneven=True):
@@ -117,7 +87,7 @@ def value(analysis, key):
 
 
 def test_the_table_is_complete_in_order_with_groups_and_units(analysis):
-    expected = [(g, key, unit) for g, entries in TABLE.items() for key, unit in entries.items()]
+    expected = [(agreed["group"], key, agreed["unit"]) for key, agreed in NUMBERS.items()]
     assert [(n.group, key, n.unit) for key, n in analysis.numbers.items()] == expected
     for number in analysis.numbers.values():
         assert number.label
@@ -326,7 +296,9 @@ def test_what_the_certificate_did_not_say_is_in_no_table():
     late[0] = math.nan
     assert "clearance_first" not in analyse(replace(run, clearance=late)).numbers
     unknown = analyse(replace(run, intervention=None, clearance=None, status=None)).numbers
-    assert not TABLE["Certificate"].keys() & unknown.keys()
+    assert {number.group for number in unknown.values()} == {
+        agreed["group"] for agreed in NUMBERS.values()
+    } - {"Certificate"}
 
 
 def test_how_far_the_estimates_can_be_trusted(analysis):

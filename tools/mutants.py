@@ -66,7 +66,7 @@ TARGETS = {
     ),
     "arena": Target(
         ("rps_compat/arena.py", "rps_compat/violations.py"),
-        ("test_arena", "test_robotarium_faces"),
+        ("test_arena_edges", "test_arena", "test_robotarium_faces"),
     ),
     "numbers": Target(
         (
@@ -74,7 +74,7 @@ TARGETS = {
             "posflock_robotarium/alignment/catalogue/*.py",
             "posflock_robotarium/alignment/measured_run.py",
         ),
-        ("test_numbers",),
+        ("test_metric_catalogue", "test_numbers", "test_metric_registry"),
     ),
     "judge": Target(("posflock_robotarium/verify/judge.py",), ("test_judge",)),
     "tables": Target(
