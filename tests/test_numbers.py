@@ -215,9 +215,14 @@ def test_the_offset_of_headings_is_that_of_robots_that_move():
     poses[:, 1] = [0.0, 0.4]
     poses[:, 2] = [0.2, 1.0]  # the slow one drifts sideways
     run = Run("drift", t, poses)
-    for slowest, offset in ((0.02, 0.6), (0.05, 0.2), (0.2, math.nan)):
+    for slowest, offset, moving in ((0.02, 0.6, 2), (0.05, 0.2, 1), (0.2, math.nan, 0)):
         found = analyse(run, AnalysisOptions(radius=1.0, slowest=slowest)).numbers
         assert found["heading_offset"].value == pytest.approx(offset, nan_ok=True)
+        # γ wants two that move, polarisation one.
+        assert found["left_out_motion"].value == (0.0 if moving == 2 else 1.0)
+        polarised = found["polarisation_motion"].value
+        assert polarised == pytest.approx(1.0 if moving else math.nan, nan_ok=True)
+        assert found["standing"].value == 1.0 - moving / 2
 
 
 def test_wheels_are_held_against_the_robots_own_limit(analysis):
@@ -233,6 +238,12 @@ def test_commands_within_the_limit_have_no_excess():
     assert slow["wheel_excess"].value == 0.0
     assert slow["wheel_excess_steps"].value == 0
     assert "fastest_wheel" not in analyse(replace(run, commands=None)).numbers
+    commands = 0.0 * run.commands
+    commands[:, 0] = 0.2  # 12.5 rad/s exactly
+    commands[5:8, 0, 1] = 0.208
+    little = analyse(replace(run, commands=commands)).numbers
+    assert little["wheel_excess"].value == pytest.approx(0.5)
+    assert little["wheel_excess_steps"].value == 3
 
 
 def test_cohesion(analysis):
@@ -292,6 +303,8 @@ def test_what_the_certificate_did_not_say_is_in_no_table():
     untouched = analyse(replace(run, intervention=idle)).numbers
     assert untouched["interventions"].value == untouched["intervention_mean"].value == 0.0
     assert untouched["intervention_largest"].value == 0.0005
+    barely = analyse(replace(run, intervention=2 * idle)).numbers
+    assert barely["interventions"].value == barely["intervention_mean"].value == 0.0
     late = run.clearance.copy()
     late[0] = math.nan
     assert "clearance_first" not in analyse(replace(run, clearance=late)).numbers
@@ -310,7 +323,15 @@ def test_how_far_the_estimates_can_be_trusted(analysis):
     assert value(analysis, "noise_heading") == noise.heading
     assert value(analysis, "noise_course") == pytest.approx(noise.course)
     assert value(analysis, "gamma_bias") == pytest.approx(expected_bias(noise.course))
-    assert value(analysis, "heading_offset") < 0.1
+
+
+def test_the_offset_of_headings_is_taken_over_ten_samples(analysis):
+    t, poses = analysis.recording.t, analysis.recording.poses
+    first, last, step = np.arange(len(t) - 10), np.arange(10, len(t)), np.median(np.diff(t))
+    x, y = np.moveaxis(poses[last, :2] - poses[first, :2], 1, 0)
+    moved = (np.hypot(x, y) > 0.005) & (t[last] - t[first] < 30 * step)[:, None]
+    off = (poses[first + 5, 2] - np.arctan2(y, x) + np.pi / 2) % np.pi - np.pi / 2  # of a line
+    assert value(analysis, "heading_offset") == pytest.approx(np.median(np.abs(off[moved])))
 
 
 @pytest.mark.parametrize("offset", [0.4, -0.4, 1.2])
@@ -350,6 +371,38 @@ def test_a_flock_that_stands_has_no_alignment_by_motion():
     assert still["robots_standing"].value == 3
     assert still["heading_spread"].value == pytest.approx(0.0)
     assert still["gap_time"].value == still["gaps"].value == 0
+    for threshold in (0.9, -0.5):
+        options = AnalysisOptions(radius=1.0, threshold=threshold)
+        numbers = analyse(Run("still", 0.033 * np.arange(100), poses), options).numbers
+        assert numbers["share_aligned_motion"].value == 0.0
+        assert math.isnan(numbers["time_to_alignment_motion"].value)
+
+
+def test_at_the_threshold_is_aligned_and_at_the_slowest_speed_is_standing():
+    t = 0.1 * np.arange(60)
+    poses = np.zeros((60, 3, 2))
+    poses[:, 0] = 0.02 * t[:, None]
+    poses[:, 1] = [0.0, 0.4]
+    options = AnalysisOptions(radius=1.0, threshold=1.0, slowest=0.02, window=0.5)
+    numbers = analyse(Run("slow", t, poses), options).numbers
+    assert numbers["share_aligned_headings"].value == 1.0
+    assert numbers["standing"].value == 1.0
+    assert numbers["robots_standing"].value == 2
+    # Two robots are a pair.
+    for key in ("nearest_neighbour", "smallest_distance", "smallest_collision_distance"):
+        assert numbers[key].value == pytest.approx(0.4)
+    assert numbers["collisions"].value == numbers["collision_steps"].value == 0
+    assert numbers["components"].value == numbers["connected"].value == 1
+    assert numbers["algebraic_connectivity"].value == pytest.approx(2.0)
+
+
+def test_headings_without_a_common_direction_have_no_spread():
+    poses = np.zeros((60, 3, 2))
+    poses[:, 1] = [0.0, 0.4]
+    poses[:, 2] = [0.3, 0.3 + np.pi]
+    numbers = analyse(Run("opposed", 0.1 * np.arange(60), poses), radius=1.0).numbers
+    assert math.isnan(numbers["heading_spread"].value)
+    assert numbers["polarisation_headings"].value == pytest.approx(0.0)
 
 
 @pytest.mark.parametrize(("moving", "defined"), [(5, False), (12, True)])

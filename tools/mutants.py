@@ -74,7 +74,7 @@ TARGETS = {
             "posflock_robotarium/alignment/catalogue/*.py",
             "posflock_robotarium/alignment/measured_run.py",
         ),
-        ("test_metric_catalogue", "test_numbers", "test_metric_registry"),
+        ("test_metric_catalogue", "test_measured_run", "test_numbers", "test_metric_registry"),
     ),
     "judge": Target(("posflock_robotarium/verify/judge.py",), ("test_judge",)),
     "tables": Target(
