@@ -12,6 +12,7 @@ _SPEED = "where the search begins; it ends at the one optimum"
 _NO_COUNT = "any number will do that is the same for all sets whose rows have keys"
 _ALL = "all rows are in from the start, so that none is ever added to these"
 _UNIT = "the program has the same answer in any unit"
+_SOONER = "a short way only: without it the solvers find that there is no answer"
 
 EQUIVALENT: list[tuple[str, str, str, str]] = [
     ("law.py", "np.nextafter(0.0, 1.0)", "1.0 to 2.0", "the next float is in the same direction"),
@@ -37,7 +38,34 @@ EQUIVALENT: list[tuple[str, str, str, str]] = [
     ("scaled_program.py", "-(1.0 + TOLERANCE) * math.sqrt(2.0)", "Add to Sub", _NOBODY),
     ("scaled_program.py", "-(1.0 + TOLERANCE) * math.sqrt(2.0)", "Lt to LtE", _NOBODY),
     ("infeasible.py", "np.ones(which.shape[0], dtype=bool)", "without argument dtype", _ALL),
-    ("projector.py", ".reshape(-1, 2)", "1 to 2", "numpy takes any negative number for the rest"),
+    ("infeasible.py", "> TOLERANCE", "Gt to GtE", _NOBODY),
+    ("infeasible.py", "<= TOLERANCE", "LtE to Lt", _NOBODY),
+    ("infeasible.py", "> tolerance", "Gt to GtE", _NOBODY),
+    ("infeasible.py", "> -BINDS", "Gt to GtE", _NOBODY),
+    ("infeasible.py", "working = rows.excess(program.target)", "Gt to Lt", _SPEED),
+    ("working_set.py", "> TOLERANCE", "Gt to GtE", _NOBODY),
+    ("working_set.py", "> tolerance", "Gt to GtE", _NOBODY),
+    ("working_set.py", "> -BINDS", "Gt to GtE", _NOBODY),
+    ("working_set.py", "working = excess > TOLERANCE", "Gt to Lt", _SPEED),
+    ("working_set.py", "working[warm] = True", "to False", _SPEED),
+    ("working_set.py", "self._bound = info.binding", "left out", _SPEED),
+    ("working_set.py", "self._bound_in = _team(rows)", "left out", _SPEED),
+    ("working_set.py", "_GUESSES = 8", "", "one more guess before a solver is asked"),
+    ("working_set.py", "ROUNDS = 50", "", "five are many already"),
+    ("projector.py", "self._search.forget()", "left out", _SPEED),
+    ("projector.py", ".reshape(-1", "1 to 2", "numpy takes any negative number for the rest"),
+    ("projector.py", "<= TOLERANCE", "LtE to Lt", _NOBODY),
+    ("projector.py", "> TOLERANCE", "Gt to GtE", _NOBODY),
+    ("projector.py", "if program.unit != 1.0", "1.0 to 2.0", "times one changes nothing"),
+    ("scaled_program.py", ".reshape(-1, 2)", "1 to 2", "numpy takes any negative number"),
+    ("scaled_program.py", "_FAST = 10.0", "", _UNIT),
+    ("scaled_program.py", "_LARGE = 1e5", "", _UNIT),
+    ("scaled_program.py", "self.worst <= _LARGE", "LtE to Lt", _UNIT),
+    ("scaled_program.py", "_FAR = 1e5", "", "from so far away only the direction counts"),
+    ("scaled_program.py", "bound.argmin()", "to argmax", _SOONER),
+    ("scaled_program.py", "math.sqrt(2.0) * self.top_speed", "1.0 to 2.0", _SOONER),
+    ("scaled_program.py", "math.sqrt(2.0) * self.top_speed", "2.0 to 3.0", _SOONER),
+    ("scaled_program.py", "if not math.isfinite(self.top_speed)", "negated", _SOONER),
     ("scaled_program.py", "if self.worst <= _FAST", "LtE to Lt", _UNIT),
     ("law.py", "np.asarray(neighbour_count", "without argument dtype", _WHOLE),
     ("", 'TypeVar("_T")', "'_T' to another word", "nobody reads the name of a type variable"),
