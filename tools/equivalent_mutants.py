@@ -27,6 +27,7 @@ EQUIVALENT: list[tuple[str, str, str, str]] = [
         "to False",
         "what begins also ends",
     ),
+    ("standing.py", "for first, last in zip(", "strict", "what begins also ends"),
     ("alignment/", "if np.abs(steps - steps.mean())", "Sub to Add", _SHORT),
     ("alignment/", "if (weights == 1.0).all()", "to any", _SHORT),
     ("alignment/", "if (weights == 1.0).all()", "1.0 to 2.0", _SHORT),

@@ -70,7 +70,6 @@ TARGETS = {
     ),
     "numbers": Target(
         (
-            "posflock_robotarium/alignment/numbers*.py",
             "posflock_robotarium/alignment/catalogue/*.py",
             "posflock_robotarium/alignment/measured_run.py",
         ),
