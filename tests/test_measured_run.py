@@ -96,6 +96,7 @@ def test_radius_may_be_one_a_robot():
     assert type(run.radius) is float
     unequal = replace(run, options=AnalysisOptions(radius=np.array([1, 2])))
     np.testing.assert_array_equal(unequal.radius, [1.0, 2.0])
+    assert unequal.radius.dtype == float
 
 
 def test_a_run_prints_as_what_was_recorded_and_asked_for():

@@ -75,6 +75,7 @@ EQUIVALENT: list[tuple[str, str, str, str]] = [
     ("alignment/", "if np.abs(steps - steps.mean())", "LtE to Lt", _SHORT),
     ("alignment_times.py", "nan=-2.0", "2.0 to 3.0", "either is below any γ"),
     ("confidence.py", "len(r.t) // 5000", "5000 to 5001", "about as many samples for a median"),
+    ("confidence.py", "(length > least)", "Gt to GtE", _NOBODY),
     ("polarisation.py", "if length > 0", "Gt to GtE", "minus the logarithm of 0 is infinite"),
     ("wheels.py", "ties.beyond(excess, 0.0)", "to reached", "an excess of nothing either way"),
     ("arena.py", "< x_min", "Lt to LtE", _NOBODY),
