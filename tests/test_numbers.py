@@ -172,6 +172,18 @@ def test_who_stands_and_for_how_long(analysis):
     assert 0.25 < value(analysis, "standing_end") < 0.5
 
 
+def test_speeds_are_those_of_robots_and_of_their_centroid(analysis):
+    curves, speeds = analysis.curves, Again(analysis).speeds
+    for key, expected in (
+        ("speed", speeds.mean(axis=1)),
+        ("speed_slowest", speeds.min(axis=1)),
+        ("speed_fastest", speeds.max(axis=1)),
+    ):
+        np.testing.assert_allclose(curves[key], expected, rtol=1e-12, err_msg=key)
+    centre = estimate(analysis.recording, "savitzky_golay").velocities.mean(axis=2)
+    np.testing.assert_allclose(curves["drift"], np.hypot(*centre.T), rtol=1e-12)
+
+
 def test_the_centroid_goes_from_its_first_place_to_its_last(analysis):
     centre = analysis.recording.poses[:, :2].mean(axis=2)
     way = math.dist(centre[0], centre[-1])
