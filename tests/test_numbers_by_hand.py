@@ -55,6 +55,16 @@ def test_headings_that_point_elsewhere_show_by_how_much(offset, backwards):
     assert found == pytest.approx(abs(offset))  # of a line: driving backwards is no offset
 
 
+@pytest.mark.parametrize("samples", [8, 10, 11, 12])
+def test_a_log_shorter_than_ten_steps_has_an_offset_too(samples):
+    poses = np.zeros((samples, 3, 2))
+    poses[:, 0] = 0.02 * np.arange(samples)[:, None]
+    poses[:, 1] = [0.0, 0.4]
+    poses[:, 2] = 0.3
+    numbers = analyse(Run("short", 0.1 * np.arange(samples), poses), radius=1.0).numbers
+    assert numbers["heading_offset"].value == pytest.approx(0.3)
+
+
 def test_headings_that_are_wrong_for_a_while_or_across_gaps_do_not_count():
     t = 0.033 * np.arange(450)
     t += 5.0 * (np.arange(450) // 15)  # after every 15 samples a gap
