@@ -70,9 +70,10 @@ def test_stretches_hold_as_many_pairs_as_were_agreed_on(pairs, robots, monkeypat
     assert stretches[-1].stop - stretches[-1].start <= longest
 
 
-def test_stretches_change_no_number(monkeypatch):
+@pytest.mark.parametrize("samples", [2, 7])
+def test_stretches_change_no_number(samples, monkeypatch):
     whole = analyse(eventful())
-    monkeypatch.setattr(measured_run, "PAIRS_AT_A_TIME", 2 * 4**2)
+    monkeypatch.setattr(measured_run, "PAIRS_AT_A_TIME", samples * 4**2)
     parts = analyse(eventful())
     for key, curve in whole.curves.items():
         np.testing.assert_allclose(parts.curves[key], curve, rtol=1e-12, err_msg=key)
