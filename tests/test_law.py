@@ -130,7 +130,39 @@ def test_saturation_keeps_direction_and_bound(flock, limit):
     assert (shortened <= limit * (1 + 1e-12)).all()
     assert (shortened <= length * (1 + 1e-12)).all()
     assert_allclose(x * shortened, y * length, atol=1e-9 * (1 + length.max()))
+    assert_allclose(shortened, limit * np.tanh(length / limit), rtol=1e-9, atol=1e-15)
     assert np.array_equal(saturate(np.zeros((2, 3)), limit), np.zeros((2, 3)))
+
+
+def leave_nan_in_memory(*shape):
+    """Free arrays of NaN, which is where numpy puts the next ones of that size."""
+    for array in [np.empty(shape) for _ in range(7)]:
+        array.fill(math.nan)
+
+
+@pytest.mark.parametrize("agents", [1, 3, 8])
+def test_what_stands_or_coincides_is_zero_whatever_was_in_memory_before(agents):
+    leave_nan_in_memory(agents)
+    assert not saturate(np.zeros((2, agents)), 1.0).any()
+    leave_nan_in_memory(agents, agents)
+    assert (psi(np.zeros((agents, agents)), 2.0) == 1.0).all()
+
+
+def test_an_agent_at_exactly_the_radius_is_no_neighbour():
+    p = np.array([[0.0, 2.0, 3.9], [0.0, 0.0, 0.0]])
+    assert neighbours(p, 2.0).tolist() == [[False] * 3, [False, False, True], [False, True, False]]
+
+
+def test_whole_numbers_may_be_distances_counts_and_positions():
+    assert_allclose(psi([1, 2, 4], 2), [-1.0, 0.0, 0.5])
+    assert_allclose(phi(2, [4, 2], 1), [4.0, 2.0])
+    p = [[0, 1, 2], [0, 0, 1]]
+    for whole, real in zip(
+        both_inputs(p, np.zeros((2, 3), dtype=int), p, 2),
+        both_inputs(np.array(p, dtype=float), np.zeros((2, 3)), np.array(p, dtype=float), 2.0),
+        strict=True,
+    ):
+        assert_allclose(whole, real, rtol=1e-12)
 
 
 def test_coincident_agents_contribute_nothing_and_no_nan():
@@ -256,6 +288,7 @@ def test_a_batch_of_flocks_is_its_members():
         ({"persistence": np.ones(3)}, "persistence: expected a number, got an array"),
         ({"radius": 0.0}, "radius: expected finite and more than zero, got 0.0"),
         ({"radius": np.array([1.0, 0.0])}, "radius: expected finite and more than zero"),
+        ({"radius": np.array([1.0, math.inf])}, "radius: expected finite and more than zero"),
         ({"input_limit": math.inf}, "input_limit: expected finite"),
         ({"distance_scale": -1e-9}, "distance_scale: expected finite and zero or more"),
         ({"radius": np.ones((2, 2))}, "expected a number or one number per agent, got an array of"),
@@ -272,7 +305,7 @@ def test_states_that_mean_nothing_are_refused():
     p = np.zeros((2, 3))
     with pytest.raises(ParameterError, match=r"got \(3,\)"):
         velocity_based_input(np.zeros(3), np.zeros(3), PAPER_SIMULATION)
-    for shape in ((1, 3), (4, 3), (2, 0)):
+    for shape in ((1, 3), (4, 3), (2, 0), (5, 2, 0)):
         with pytest.raises(ParameterError, match=r"expected shape .* with d = 2 or 3"):
             velocity_based_input(np.zeros(shape), np.zeros(shape), PAPER_SIMULATION)
     with pytest.raises(ParameterError, match="positions: expected numbers"):
