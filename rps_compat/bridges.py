@@ -138,6 +138,22 @@ def dropped_names(*kinds: Kind) -> Iterator[None]:
                 delattr(module, name)
 
 
+#: Lasts as long as the process.
+FOR_GOOD = contextlib.ExitStack()
+
+
+def bridge(around: contextlib.ExitStack) -> None:
+    """Give back, for as long as `around` lasts, all that a script of any age finds here.
+
+    Parameters
+    ----------
+    around : contextlib.ExitStack
+        What takes it away again when it is closed.
+    """
+    around.enter_context(dropped_names(Kind.GONE, Kind.LATER))
+    around.enter_context(one_element_conversions())
+
+
 # --- Arrays of one element -----------------------------------------------------------------------
 
 _CONVERSIONS = ("__float__", "__int__", "__complex__")

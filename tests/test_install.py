@@ -65,3 +65,20 @@ def test_any_python_finds_it_on_pythonpath(generation, tmp_path):
         check=True,
     ).stdout
     assert out.strip() == f"rps_compat.v{generation}.robotarium"
+
+
+def test_names_that_numpy_dropped_are_there_on_pythonpath(tmp_path):
+    program = (
+        "import rps.robotarium, gc, numpy as np\n"
+        "gc.collect()\n"
+        "print(np.mat([[1, 2]]).shape, np.float(3), float(np.ones(1)))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env={**os.environ, "PYTHONPATH": str(rps_compat.import_path(2))},
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.stdout == "(1, 2) 3.0 1.0\n", done.stderr

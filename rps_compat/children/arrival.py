@@ -6,14 +6,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NoReturn
 
-from rps_compat.bridges import dropped_names, one_element_conversions
+from rps_compat.bridges import bridge
 from rps_compat.children.family import Family, has_family
 from rps_compat.children.plan import ChildError, plan_of_this_process
 from rps_compat.clock import SimulatedClock
 from rps_compat.install import install
 from rps_compat.recording import Recording
 from rps_compat.repeatable import repeatable
-from rps_compat.scripts.changes import Kind
 from rps_compat.session import Session, use
 from rps_compat.surroundings import headless_matplotlib
 
@@ -53,8 +52,7 @@ def join_run(as_worker: bool = False) -> None:
     family.arrive(as_worker)
     use(session)
     atexit.register(_surroundings.close)
-    _surroundings.enter_context(dropped_names(Kind.GONE, Kind.LATER))
-    _surroundings.enter_context(one_element_conversions())
+    bridge(_surroundings)
     if plan.headless:
         _surroundings.enter_context(clock.in_force())
         _surroundings.enter_context(headless_matplotlib())

@@ -53,7 +53,11 @@ def arrive(generation: int) -> None:
         from rps_compat.children.arrival import join_run
 
         join_run()
-    elif names.files:
+        return
+    from rps_compat.bridges import FOR_GOOD, bridge
+
+    bridge(FOR_GOOD)
+    if names.files:
         from rps_compat.process_state import hiding_notes
 
         for note in hiding_notes(names):
