@@ -254,9 +254,11 @@ class _Memory:
         """Put obstacles where they are now."""
         if obstacles is self.obstacles.obstacles:
             return
-        number = len(self.obstacles.obstacles)
-        self.obstacles.move(listed(obstacles))
-        if len(self.obstacles.obstacles) != number:
+        found, number = listed(obstacles), len(self.obstacles.obstacles)
+        if not found and not number:  # a list that stays empty costs nothing
+            return
+        self.obstacles.move(found)
+        if len(found) != number:
             self.book.forget()
             self.projector.reset()
 

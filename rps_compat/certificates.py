@@ -161,8 +161,8 @@ def certify(
         This is the certificate's first call, and something is nearer already than it would let it
         come. The published certificates are silent there.
     """
-    points = () if obstacles is None else obstacles.T
-    safe, info = certificate(commands, states, [Disc((x, y), 0.0) for x, y in points])
+    discs = () if obstacles is None else [Disc((x, y), 0.0) for x, y in obstacles.T]
+    safe, info = certificate(commands, states, discs)
     if info.unsafe_start:
         warnings.warn(
             f"the first call of a certificate finds {info.nearest} {1e3 * -info.clearance:.3g} mm "

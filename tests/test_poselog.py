@@ -120,7 +120,11 @@ def test_a_second_run_does_not_get_the_file_of_one_that_goes_on(tmp_path):
 def test_an_earlier_runs_description_does_not_describe_the_next(tmp_path, monkeypatch):
     with PoseLog(tmp_path / "run", 2, 5, {"seed": 1}) as log:
         fill(log, 2, robots=2)
-    monkeypatch.setattr(PoseLog, "_describe", lambda *_: os.kill(os.getpid(), signal.SIGINT))
+
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(PoseLog, "_describe", interrupted)
     with pytest.raises(KeyboardInterrupt):
         PoseLog(tmp_path / "run", 3, 5)
     assert not (tmp_path / "run.json").exists()
