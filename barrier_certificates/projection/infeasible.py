@@ -18,13 +18,13 @@ from typing import Literal
 
 import numpy as np
 
-from barrier_certificates.array_types import FloatArray
+from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.certificate_errors import InfeasibleError
 from barrier_certificates.projection.projection_info import ProjectionInfo
 from barrier_certificates.projection.scaled_program import TOLERANCE, Program
 from barrier_certificates.projection.working_set import BINDS, ROUNDS, WorkingSet
 from barrier_certificates.rows.row_set import Rows
-from barrier_certificates.ties import rank
+from barrier_certificates.ties import TIE
 
 Policy = Literal["relax", "stop", "raise"]
 
@@ -97,6 +97,22 @@ def _within_hard_limits(velocity: FloatArray, rows: Rows) -> FloatArray | None:
     return velocity if float(excess.max()) <= TOLERANCE else None
 
 
+def furthest_first(excess: FloatArray) -> IntArray:
+    """Return the rows by how far they are from holding; equal ones keep their order.
+
+    Parameters
+    ----------
+    excess : (m,) array
+        By how much each row is broken, in the unit of the program.
+
+    Returns
+    -------
+    (m,) integer array
+        Row numbers, the furthest from holding first.
+    """
+    return np.argsort(-np.round(excess / TIE), kind="stable")
+
+
 def furthest_from_holding(program: Program) -> InfeasibleError:
     """Return the error that names the rows that the command breaks most.
 
@@ -111,8 +127,7 @@ def furthest_from_holding(program: Program) -> InfeasibleError:
         To be raised; it names three rows at most.
     """
     rows, excess = program.rows, program.excess
-    furthest_first = sorted(range(len(rows)), key=lambda k: -rank(float(excess[k])))[:3]
-    furthest = [k for k in furthest_first if excess[k] > TOLERANCE]
+    furthest = [int(k) for k in furthest_first(excess)[:3] if excess[k] > TOLERANCE]
     named = "; ".join(f"{rows.label(k)} ({excess[k] * program.unit:.3g} m/s)" for k in furthest)
     return InfeasibleError(
         f"no velocity satisfies all {len(rows)} rows; the command breaks most: {named}. "

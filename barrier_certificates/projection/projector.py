@@ -11,7 +11,12 @@ import numpy as np
 from barrier_certificates import checks, solvers
 from barrier_certificates.array_types import FloatArray
 from barrier_certificates.certificate_errors import NotFiniteError, ParameterError, ShapeError
-from barrier_certificates.projection.infeasible import Policy, furthest_from_holding, least_broken
+from barrier_certificates.projection.infeasible import (
+    Policy,
+    furthest_first,
+    furthest_from_holding,
+    least_broken,
+)
 from barrier_certificates.projection.projection_info import NO_ROWS, ProjectionInfo
 from barrier_certificates.projection.scaled_program import TOLERANCE, Program
 from barrier_certificates.projection.working_set import WorkingSet
@@ -131,8 +136,8 @@ class Projector:
         else:
             info.status = "relaxed"
         excess = program.rows.excess(point)
-        furthest_first = np.argsort(-excess)
-        info.broken = furthest_first[excess[furthest_first] > TOLERANCE]
+        order = furthest_first(excess)
+        info.broken = order[excess[order] > TOLERANCE]
         info.violation = max(float(excess.max()), 0.0)
         return point
 

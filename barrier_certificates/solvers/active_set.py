@@ -100,7 +100,7 @@ def guess(
 def _worst_of_each_robot(rows: Rows, excess: FloatArray, tolerance: float) -> IntArray:
     """Pick the row that each robot's command breaks most; these seldom depend on each other."""
     broken = (excess > tolerance).nonzero()[0]
-    worst_first = broken[np.argsort(-excess[broken])]
+    worst_first = broken[np.argsort(-excess[broken], kind="stable")]
     _, first = np.unique(rows.index[0, worst_first], return_index=True)
     return np.sort(worst_first[first])
 

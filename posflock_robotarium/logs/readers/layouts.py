@@ -220,7 +220,7 @@ def _decide_by_rolling(array: Floats, where: str, fits: list[Layout]) -> tuple[F
     readings = ", ".join(f"{c.label} with {c.robots(array.shape)} robots" for c in fits)
     with np.errstate(all="ignore"):
         shares = [sideways_share(c.turn(array)) for c in fits]
-    order = np.argsort(shares)
+    order = np.argsort(shares, kind="stable")
     best, second = shares[order[0]], shares[order[1]]
     if not (np.isfinite(best) and np.isfinite(second) and best < 0.05 and second > 5 * best + 0.1):
         raise LayoutError(
