@@ -142,15 +142,17 @@ def dropped_names(*kinds: Kind) -> Iterator[None]:
 FOR_GOOD = contextlib.ExitStack()
 
 
-def bridge(around: contextlib.ExitStack) -> None:
-    """Give back, for as long as `around` lasts, all that a script of any age finds here.
+def bridge(around: contextlib.ExitStack, *kinds: Kind) -> None:
+    """Give back, for as long as `around` lasts, what libraries dropped.
 
     Parameters
     ----------
     around : contextlib.ExitStack
         What takes it away again when it is closed.
+    *kinds : Kind
+        As for `dropped_names`; all that a script of any age finds here, if none is given.
     """
-    around.enter_context(dropped_names(Kind.GONE, Kind.LATER))
+    around.enter_context(dropped_names(*(kinds or (Kind.GONE, Kind.LATER))))
     around.enter_context(one_element_conversions())
 
 

@@ -12,12 +12,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NoReturn
 
-from rps_compat.run_folder import claimed_folder
 from rps_compat.run_settings import RunSettings
 from rps_compat.runner import run_script
 from rps_compat.running.ending import end_process, leave
 from rps_compat.running.outcome import Outcome, summary
-from rps_compat.scripts.evidence import evidence_in
 from rps_compat.surroundings import stdout_on_stderr
 
 
@@ -48,9 +46,8 @@ def run_and_tell(
             tell(result)
             end_process(result.exit_code)
 
-        evidence_in(script.resolve())  # no script, no folder
-        out = claimed_folder(settings.out, script)
-        result = run_script(script, arguments, replace(settings, out=out, end_process=give_up))
+        ending = replace(settings, claims_folder=True, end_process=give_up)
+        result = run_script(script, arguments, ending)
         tell(result)
     leave(result.exit_code, ours)
     return result.exit_code

@@ -40,6 +40,9 @@ class RunSettings:
         What ``input()`` answers headless, in order; after them an empty line.
     out
         Folder for everything that the run leaves; made if need be. None leaves nothing.
+    claims_folder
+        Hold that folder until the process ends; without `out`, runs/SCRIPT. See
+        `rps_compat.run_folder`.
     snapshots
         Times of the run in seconds at which the figure is saved; infinity is its end.
     video
@@ -66,6 +69,7 @@ class RunSettings:
     timeout: float | None = None
     answers: Sequence[str] = ()
     out: Path | None = None
+    claims_folder: bool = False
     snapshots: Sequence[float] = ()
     video: Path | None = None
     recorder: OpenRecorder | None = None

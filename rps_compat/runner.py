@@ -8,9 +8,11 @@ Ctrl-C or by the time limit, the log is closed and a report written (see
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from rps_compat.generations import Generation
+from rps_compat.run_folder import claimed_folder
 from rps_compat.run_settings import RunSettings
 from rps_compat.running.driver import Guests, drive
 from rps_compat.running.outcome import Outcome
@@ -62,6 +64,8 @@ def run_script(
         end_process=settings.end_process,
         notes=tuple(notes),
     )
+    if settings.claims_folder:
+        settings = replace(settings, out=claimed_folder(settings.out, script))
     return drive(_plan(script, arguments, generation, settings), guests)
 
 

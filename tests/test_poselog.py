@@ -159,7 +159,9 @@ def test_rows_outlive_their_folder(tmp_path):
         shutil.rmtree(tmp_path / "out")
         with PoseLog(tmp_path / "out/run", 2, 10) as other:
             fill(other, 2, robots=2)
-    assert len(read_pose_log(tmp_path / "out/run").t) == 2
+    first = read_pose_log(tmp_path / "out/run")
+    assert len(first.t) == 2
+    assert first.parameters["ended"]["rows"] == 2  # its description is its own
     assert len(read_pose_log(tmp_path / "out/run-2").t) == 3
 
 

@@ -130,7 +130,7 @@ class PoseLog:
         self._pose, self._command = self._row["pose"][0], self._row["command"][0]
         self._interventions, self._clearances = self._row["intervention"], self._row["clearance"]
         with self._told("choose a folder that can be written to"):
-            self._file = RowFile(self.path, self._row, int(steps), outdated=self.sidecar)
+            self._file = RowFile(self.path, self._row, int(steps))
             self._describe("running", "")
 
     @property
@@ -216,7 +216,7 @@ class PoseLog:
             return
         try:
             with self._told("the rows that were appended are kept"):
-                self._file.finish(outdated=self.sidecar)
+                self._file.finish()
                 self.path, self.sidecar = log_paths(self._file.path)
                 self._describe(how, reason)
         finally:

@@ -41,13 +41,12 @@ class RowFile:
     Parameters
     ----------
     path : Path
-        Where; the folder is made where there is none, and an earlier run's file replaced.
+        Where, NAME.npy; the folder is made where there is none, an earlier run's file replaced, and
+        NAME.json, which describes that, removed just before.
     unreached : (1,) structured array
         A row that holds nothing, and so the structure of all.
     room : int
         Rows to take space for; more may be appended.
-    outdated : Path
-        What describes the rows of the earlier run; removed before they are replaced.
 
     Attributes
     ----------
@@ -64,12 +63,12 @@ class RowFile:
         Another run is writing it.
     """
 
-    def __init__(self, path: Path, unreached: Any, room: int, outdated: Path) -> None:
+    def __init__(self, path: Path, unreached: Any, room: int) -> None:
         self.path, self.rows = path, 0
         self._unreached, self._room = unreached.copy(), room
         self._bytes_a_row = int(unreached.dtype.itemsize)
         self._offset = len(self._header(room))
-        self._open(outdated)
+        self._open()
         _OPEN.add(self)
 
     @property
@@ -102,13 +101,8 @@ class RowFile:
         self._write(self._offset + self.rows * self._bytes_a_row, row)
         self.rows += 1
 
-    def finish(self, outdated: Path) -> None:
+    def finish(self) -> None:
         """Cut off the rows that were not reached, and see that the file has its name.
-
-        Parameters
-        ----------
-        outdated : Path
-            As for the constructor, should the rows have to be written again.
 
         Raises
         ------
@@ -116,7 +110,7 @@ class RowFile:
             The disk does not take that; the rows are kept.
         """
         if not self._is_in_place():
-            self._write_again(outdated)
+            self._write_again()
         # First the header, then the file: a kill between the two leaves bytes that nobody reads.
         self._write(0, self._header(self.rows))
         os.ftruncate(self._file, self._offset + self.rows * self._bytes_a_row)
@@ -126,7 +120,7 @@ class RowFile:
         """Close the file, which lets others have its name; a second call changes nothing."""
         self._close()
 
-    def _open(self, outdated: Path) -> None:
+    def _open(self) -> None:
         """Make the file with all its rows, and put it in the place of an earlier run's."""
         self.path.parent.mkdir(parents=True, exist_ok=True)
         draft = self.path.with_name(f"{self.path.name}.{os.getpid()}.part")
@@ -138,7 +132,7 @@ class RowFile:
                 self._write(0, self._header(self._room))
                 self._write_unreached(0, self._room)
                 _lock(self._file)
-                outdated.unlink(missing_ok=True)
+                self.path.with_suffix(".json").unlink(missing_ok=True)
                 os.replace(draft, self.path)
             except BaseException:
                 self._close()
@@ -179,7 +173,7 @@ class RowFile:
         except OSError:
             return False
 
-    def _write_again(self, outdated: Path) -> None:
+    def _write_again(self) -> None:
         """Write all rows anew, since the folder was removed, or another run took the name."""
         stem, number = self.path.stem, 1
         while self.path.exists():
@@ -187,7 +181,7 @@ class RowFile:
             self.path = self.path.with_name(f"{stem}-{number}.npy")
         lost, close_lost = self._file, self._close
         self._room = max(self.rows, 1)
-        self._open(outdated)
+        self._open()
         os.lseek(lost, self._offset, os.SEEK_SET)
         for row in range(self.rows):
             place = self._offset + row * self._bytes_a_row

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NoReturn
 
-from rps_compat.bridges import dropped_names, one_element_conversions
+from rps_compat.bridges import bridge
 from rps_compat.children.family import Family
 from rps_compat.children.gathering import Children
 from rps_compat.children.plan import Plan, hand_on
@@ -228,8 +228,7 @@ class _Run:
         around.enter_context(showable_output())
         around.enter_context(repeatable(plan.script_seed))
         if plan.bridges:
-            around.enter_context(dropped_names(*(Kind(kind) for kind in plan.bridges)))
-            around.enter_context(one_element_conversions())
+            bridge(around, *(Kind(kind) for kind in plan.bridges))
         if plan.measures:
             around.enter_context(self.schedule.listening())
         if plan.memory is not None:
