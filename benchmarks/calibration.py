@@ -15,7 +15,7 @@ import numpy as np  # noqa: E402
 from posflock_robotarium.calibration import calibrate  # noqa: E402
 from posflock_robotarium.logs.run import Run  # noqa: E402
 from rps_compat.arena import Arena  # noqa: E402
-from rps_compat.draws import Draw, constant  # noqa: E402
+from rps_compat.distributions import RobotDistribution, constant  # noqa: E402
 from rps_compat.realism import (  # noqa: E402
     DeadTime,
     Disturbance,
@@ -47,8 +47,8 @@ def simulated_testbed(
         "heading offset": rng.uniform(-0.03, 0.03, robots),
     }
 
-    def each(name: str) -> Draw:
-        return Draw("robots", tuple(truth[name]))
+    def each(name: str) -> RobotDistribution:
+        return RobotDistribution("robots", tuple(truth[name]))
 
     profile = Profile(
         dead_time=DeadTime(constant(float(truth["dead time"][0]))),

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from barrier_certificates.ties import reached, short_of
-from rps_compat.draws import FLAT, Curve, Draw, require
+from rps_compat.distributions import FLAT, Curve, RobotDistribution, require
 from rps_compat.motor_effects import OFF_SPEED, OFF_TURN, Array, MotorStage
 
 
@@ -100,13 +100,13 @@ class DeadTime:
 
     Attributes
     ----------
-    seconds : Draw
+    seconds : RobotDistribution
         Per robot.
     by_speed : Curve
         Factor on it, at the commanded forward speed in m/s.
     """
 
-    seconds: Draw
+    seconds: RobotDistribution
     by_speed: Curve = FLAT
 
     def __post_init__(self) -> None:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from barrier_certificates.ties import reached
-from rps_compat.draws import FLAT, ONE, Curve, Draw, require
+from rps_compat.distributions import FLAT, ONE, Curve, RobotDistribution, require
 from rps_compat.testbed import GRITSBOT_X
 
 Array = NDArray[np.float64]
@@ -56,14 +56,14 @@ class Gains:
 
     Attributes
     ----------
-    speed, turn : Draw
+    speed, turn : RobotDistribution
         Factors on v and ω, per robot.
     by_speed, by_turn : Curve
         Further factors, at the commanded |v| in m/s and |ω| in rad/s.
     """
 
-    speed: Draw = ONE
-    turn: Draw = ONE
+    speed: RobotDistribution = ONE
+    turn: RobotDistribution = ONE
     by_speed: Curve = FLAT
     by_turn: Curve = FLAT
 
@@ -102,13 +102,13 @@ class Lag:
 
     Attributes
     ----------
-    seconds : Draw
+    seconds : RobotDistribution
         Time constant, per robot.
     by_speed : Curve
         Factor on it, at the commanded forward speed in m/s.
     """
 
-    seconds: Draw
+    seconds: RobotDistribution
     by_speed: Curve = FLAT
 
     def __post_init__(self) -> None:
@@ -186,11 +186,11 @@ class TurnBias:
 
     Attributes
     ----------
-    rate : Draw
+    rate : RobotDistribution
         rad/s, per robot and run, while the motors are on.
     """
 
-    rate: Draw
+    rate: RobotDistribution
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
         """Draw each robot's bias.

@@ -33,7 +33,7 @@ from typing import Any
 
 import numpy as np
 
-from rps_compat.draws import Curve, Draw, ProfileError
+from rps_compat.distributions import Curve, ProfileError, RobotDistribution
 from rps_compat.realism import EFFECTS, Profile
 
 #: Profiles that come with the package, mildest first.
@@ -193,15 +193,15 @@ def _value(kind: type, value: Any) -> Any:
         if not isinstance(value, list) or not all(_is_list(pair, 2) for pair in value):
             raise ProfileError(f"expected a curve [[speed, factor], …], got {value!r}")
         return Curve(tuple((float(at), float(factor)) for at, factor in value))
-    if kind is Draw:
+    if kind is RobotDistribution:
         return _draw(value)
     return _number(value)
 
 
-def _draw(value: Any) -> Draw:
+def _draw(value: Any) -> RobotDistribution:
     if not isinstance(value, Mapping):
-        return Draw("constant", (_number(value),))
-    _refuse_unknown(value, (*_KINDS, "limit"), "a draw")
+        return RobotDistribution("constant", (_number(value),))
+    _refuse_unknown(value, (*_KINDS, "limit"), "a distribution")
     chosen = [kind for kind in _KINDS if kind in value]
     if len(chosen) != 1 or ("limit" in value and chosen != ["normal"]):
         raise ProfileError(
@@ -211,7 +211,7 @@ def _draw(value: Any) -> Draw:
     numbers = value[chosen[0]]
     if not _is_list(numbers):
         raise ProfileError(f"{chosen[0]}: expected a list of numbers, got {numbers!r}")
-    return Draw(
+    return RobotDistribution(
         chosen[0], tuple(float(n) for n in numbers), _number(value.get("limit", float("inf")))
     )
 
@@ -239,7 +239,7 @@ def _refuse_unknown(table: Mapping[str, Any], known: tuple[str, ...], where: str
 def _plain(value: Any) -> Any:
     if isinstance(value, Curve):
         return [list(pair) for pair in value.points]
-    if isinstance(value, Draw):
+    if isinstance(value, RobotDistribution):
         if value.kind == "constant":
             return value.values[0]
         limit = {"limit": value.limit} if np.isfinite(value.limit) else {}

@@ -54,7 +54,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from rps_compat.command_effects import CommandLoss, DeadBand, DeadTime, Watchdog
-from rps_compat.draws import ProfileError
+from rps_compat.distributions import ProfileError
 from rps_compat.motor_effects import (
     Array,
     Disturbance,

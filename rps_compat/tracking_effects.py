@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rps_compat.draws import FLAT, Curve, Draw, require
+from rps_compat.distributions import FLAT, Curve, RobotDistribution, require
 from rps_compat.kinematics import wrap
 
 Array = NDArray[np.float64]
@@ -50,11 +50,11 @@ class HeadingOffset:
 
     Attributes
     ----------
-    radians : Draw
+    radians : RobotDistribution
         Per robot.
     """
 
-    radians: Draw
+    radians: RobotDistribution
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> TrackingStage:
         """Draw each robot's offset.

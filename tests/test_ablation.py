@@ -9,7 +9,7 @@ from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.verify import ablate
 from posflock_robotarium.verify.ablation import EFFECT_TRIALS
 from posflock_robotarium.verify.trials import Ran, TrialRoom
-from rps_compat.draws import ProfileError
+from rps_compat.distributions import ProfileError
 from rps_compat.profiles import load_profile
 from rps_compat.report import Fault, RunReport
 from rps_compat.running.outcome import Ended, Gap, Outcome

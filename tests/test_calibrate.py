@@ -12,7 +12,7 @@ from posflock_robotarium.logs.convert import write_pose_log
 from posflock_robotarium.logs.readers import read_pose_log
 from posflock_robotarium.logs.run import Run
 from rps_compat.arena import Arena
-from rps_compat.draws import constant
+from rps_compat.distributions import constant
 from rps_compat.profiles import profile_from_toml, profile_to_toml
 from rps_compat.realism import DeadTime, Imperfections, Lag, Profile
 

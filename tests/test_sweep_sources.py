@@ -129,7 +129,7 @@ def test_the_sources_of_an_experiment_are_all_that_decides_it():
     robots = {f"{ours}.flocking.{name}" for name in ("law", "flock", "placement")}
     robots |= {f"{ours}.alignment.summary", f"{ours}.simulation.flock_trial"}
     robots |= {f"{ours}.alignment.catalogue.{name}" for name in ("gamma", "distances", "walls")}
-    robots |= {f"rps_compat.{name}" for name in ("arena", "realism", "profiles", "draws")}
+    robots |= {f"rps_compat.{name}" for name in ("arena", "realism", "profiles", "distributions")}
     robots |= {f"barrier_certificates.{name}" for name in ("unicycle", "rows", "rows.pairs")}
     assert robots <= found["robots"]
     # What only keeps books or draws may change without costing anyone a night of computing.

@@ -1,8 +1,8 @@
 """Numbers that differ from robot to robot, or with speed: what realism profiles are made of.
 
-A :class:`Draw` is a parameter that every robot gets its own value of, once a run: one constant
-for all, uniform between two bounds, normal with an optional cut, or a list with one value a
-robot. A :class:`Curve` is a factor that depends on how fast the robot is told to go.
+A :class:`RobotDistribution` is a parameter that every robot gets its own value of, once a run:
+one constant for all, uniform between two bounds, normal with an optional cut, or a list with one
+value a robot. A :class:`Curve` is a factor that depends on how fast the robot is told to go.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def require(condition: bool, name: str, got: object, expected: str) -> None:
 
 
 @dataclass(frozen=True)
-class Draw:
+class RobotDistribution:
     """One value a robot, drawn at the start of a run.
 
     Attributes
@@ -139,7 +139,7 @@ class Draw:
         require(low >= least, name, self.values, f"values of at least {least:g}")
 
 
-def constant(value: float) -> Draw:
+def constant(value: float) -> RobotDistribution:
     """Return the distribution that is one value for every robot.
 
     Parameters
@@ -147,7 +147,7 @@ def constant(value: float) -> Draw:
     value : float
         The value, in the entry's unit.
     """
-    return Draw("constant", (value,))
+    return RobotDistribution("constant", (value,))
 
 
 @dataclass(frozen=True)
