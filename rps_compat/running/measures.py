@@ -106,12 +106,12 @@ class Measures:
         points = poses[0] + 1j * poses[1]
         if points.size > 1:
             gaps = np.abs(points[:, None] - points) + np.diag(np.full(points.size, np.inf))
-            k = first_smallest(gaps.flat)
-            if self.smallest_gap is None or short_of(gaps.flat[k], self.smallest_gap.metres):
+            if self.smallest_gap is None or short_of(gaps.min(), self.smallest_gap.metres):
+                k = first_smallest(gaps.flat)
                 self.smallest_gap = Gap(float(gaps.flat[k]), time, divmod(int(k), points.size))
         wall = wall_distances(poses, arena.robot.boundaries)
-        robot = first_smallest(wall)
-        if self.wall_gap is None or short_of(wall[robot], self.wall_gap.metres):
+        if self.wall_gap is None or short_of(wall.min(), self.wall_gap.metres):
+            robot = first_smallest(wall)
             self.wall_gap = Gap(float(wall[robot]), time, (int(robot),))
 
     def _hear(self, time: float, arena: Arena) -> None:
