@@ -5,6 +5,7 @@ when commands stop (:class:`HearsSilence`). A :class:`Recorder` is told of every
 script does.
 """
 
+from abc import abstractmethod
 from typing import Protocol
 
 import numpy as np
@@ -16,6 +17,7 @@ Array = NDArray[np.float64]
 class Realism(Protocol):
     """How far reality is from the ideal arena; ``None`` in its place means ideal."""
 
+    @abstractmethod
     def reset(self, poses: Array, time_step: float, rng: np.random.Generator) -> None:
         """Begin a run.
 
@@ -29,6 +31,7 @@ class Realism(Protocol):
             Where all randomness of the run is drawn from.
         """
 
+    @abstractmethod
     def actuate(self, velocities: Array, poses: Array, time: float) -> Array:
         """Return the velocities that the robots really drive in one step.
 
@@ -47,6 +50,7 @@ class Realism(Protocol):
             Forward speeds, m/s, and turn rates, rad/s.
         """
 
+    @abstractmethod
     def observe(self, poses: Array) -> Array:
         """Return the poses as the tracking system reports them.
 
@@ -77,7 +81,8 @@ class HearsSilence(Protocol):
 class Recorder(Protocol):
     """What is told of every step of every arena; the pose log is one."""
 
-    def append(self, time: float, poses: Array, commands: Array) -> None:
+    @abstractmethod
+    def append(self, time: float, poses: Array, commands: Array, /) -> None:
         """Take note of one step.
 
         The arrays are the arena's own: copy what is kept.

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from barrier_certificates.ties import reached, short_of
 from rps_compat.distributions import FLAT, Curve, RobotDistribution, require
-from rps_compat.motor_effects import OFF_SPEED, OFF_TURN, Array, MotorStage
+from rps_compat.motor_effects import OFF_SPEED, OFF_TURN, Array, MotorEffect, MotorStage
 
 
 @dataclass(frozen=True)
-class CommandLoss:
+class CommandLoss(MotorEffect):
     """A command misses its robot, which goes on with the last that arrived.
 
     Attributes
@@ -32,17 +32,7 @@ class CommandLoss:
         require(0 <= self.probability <= 1, "command_loss.probability", self.probability, "0 to 1")
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
-        """Start with robots that stand still and have heard nothing.
-
-        Parameters
-        ----------
-        robots : int
-            Number of robots, N.
-        time_step : float
-            Duration of a step, s.
-        rng : Generator
-            Where this effect draws from, now and in every step.
-        """
+        """Start with robots that stand still and have heard nothing."""
         held, silence = np.zeros((2, robots)), np.zeros(robots)
 
         def lose(velocities: Array, age: Array) -> Array:
@@ -57,7 +47,7 @@ class CommandLoss:
 
 
 @dataclass(frozen=True)
-class Watchdog:
+class Watchdog(MotorEffect):
     """A robot brakes that has heard no command for a while.
 
     Attributes
@@ -72,17 +62,7 @@ class Watchdog:
         require(self.seconds > 0, "watchdog.seconds", self.seconds, "more than 0 s")
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
-        """Start with no silence.
-
-        Parameters
-        ----------
-        robots : int
-            Number of robots, N.
-        time_step : float
-            Duration of a step, s.
-        rng : Generator
-            Where this effect draws from, now and in every step.
-        """
+        """Start with no silence."""
 
         def brake(velocities: Array, age: Array) -> Array:
             silent = reached(age, self.seconds)
@@ -92,7 +72,7 @@ class Watchdog:
 
 
 @dataclass(frozen=True)
-class DeadTime:
+class DeadTime(MotorEffect):
     """A command takes effect only some time after it was given.
 
     The delay is any number of seconds: in the step in which a command takes over, old and new
@@ -113,17 +93,7 @@ class DeadTime:
         self.seconds.require_at_least(0.0, "dead_time.seconds")
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
-        """Draw each robot's dead time; the past is standing still.
-
-        Parameters
-        ----------
-        robots : int
-            Number of robots, N.
-        time_step : float
-            Duration of a step, s.
-        rng : Generator
-            Where this effect draws from, now and in every step.
-        """
+        """Draw each robot's dead time; the past is standing still."""
         steps = self.seconds.draw(robots, rng) / time_step
         length = int(np.ceil(steps.max(initial=0.0) * self.by_speed.largest)) + 2
         past = np.zeros((length, 2, robots))
@@ -145,7 +115,7 @@ class DeadTime:
 
 
 @dataclass(frozen=True)
-class DeadBand:
+class DeadBand(MotorEffect):
     """Motors stay off for commands below both thresholds.
 
     Attributes
@@ -164,17 +134,7 @@ class DeadBand:
         require(self.turn >= 0, "dead_band.turn", self.turn, "0 rad/s or more")
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
-        """Return what one step does; there is nothing to remember.
-
-        Parameters
-        ----------
-        robots : int
-            Number of robots, N.
-        time_step : float
-            Duration of a step, s.
-        rng : Generator
-            Where this effect draws from, now and in every step.
-        """
+        """Return what one step does; there is nothing to remember."""
 
         def rest(velocities: Array, age: Array) -> Array:
             off = short_of(np.abs(velocities[0]), self.speed) & short_of(

@@ -7,6 +7,7 @@ filter's state) lives in that function and a profile can be used for any number 
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
@@ -30,6 +31,7 @@ OFF_SPEED, OFF_TURN = 1e-4, 0.01
 class MotorEffect(Protocol):
     """An imperfection between command and motion."""
 
+    @abstractmethod
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
         """Draw this run's numbers and return what one step does.
 
@@ -51,7 +53,7 @@ class MotorEffect(Protocol):
 
 
 @dataclass(frozen=True)
-class Gains:
+class Gains(MotorEffect):
     """Robots drive and turn a little faster or slower than they are told.
 
     Attributes
@@ -72,17 +74,7 @@ class Gains:
         self.turn.require_at_least(0.0, "gains.turn")
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
-        """Draw each robot's two gains.
-
-        Parameters
-        ----------
-        robots : int
-            Number of robots, N.
-        time_step : float
-            Duration of a step, s.
-        rng : Generator
-            Where this effect draws from, now and in every step.
-        """
+        """Draw each robot's two gains."""
         speed, turn = self.speed.draw(robots, rng), self.turn.draw(robots, rng)
 
         def scale(velocities: Array, age: Array) -> Array:
@@ -95,7 +87,7 @@ class Gains:
 
 
 @dataclass(frozen=True)
-class Lag:
+class Lag(MotorEffect):
     """Speeds approach what is commanded exponentially.
 
     The step is integrated exactly: what is handed on is the mean velocity over it.
@@ -115,17 +107,7 @@ class Lag:
         self.seconds.require_at_least(0.0, "lag.seconds")
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
-        """Draw each robot's time constant; start at rest.
-
-        Parameters
-        ----------
-        robots : int
-            Number of robots, N.
-        time_step : float
-            Duration of a step, s.
-        rng : Generator
-            Where this effect draws from, now and in every step.
-        """
+        """Draw each robot's time constant; start at rest."""
         base = self.seconds.draw(robots, rng)
         state = np.zeros((2, robots))
 
@@ -141,7 +123,7 @@ class Lag:
 
 
 @dataclass(frozen=True)
-class WheelSlew:
+class WheelSlew(MotorEffect):
     """A wheel cannot change its speed faster than its motor allows.
 
     Attributes
@@ -156,17 +138,7 @@ class WheelSlew:
         require(self.limit > 0, "wheel_slew.limit", self.limit, "more than 0 rad/s²")
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
-        """Start at rest.
-
-        Parameters
-        ----------
-        robots : int
-            Number of robots, N.
-        time_step : float
-            Duration of a step, s.
-        rng : Generator
-            Where this effect draws from, now and in every step.
-        """
+        """Start at rest."""
         # Both wheels, times R: v ∓ ω L/2.
         change = self.limit * time_step * GRITSBOT_X.wheel_radius
         half = GRITSBOT_X.base_length / 2
@@ -181,7 +153,7 @@ class WheelSlew:
 
 
 @dataclass(frozen=True)
-class TurnBias:
+class TurnBias(MotorEffect):
     """A robot that is told to drive straight drives a wide curve.
 
     Attributes
@@ -193,17 +165,7 @@ class TurnBias:
     rate: RobotDistribution
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
-        """Draw each robot's bias.
-
-        Parameters
-        ----------
-        robots : int
-            Number of robots, N.
-        time_step : float
-            Duration of a step, s.
-        rng : Generator
-            Where this effect draws from, now and in every step.
-        """
+        """Draw each robot's bias."""
         rate = self.rate.draw(robots, rng)
 
         def turn(velocities: Array, age: Array) -> Array:
@@ -215,7 +177,7 @@ class TurnBias:
 
 
 @dataclass(frozen=True)
-class Disturbance:
+class Disturbance(MotorEffect):
     """What the model does not explain: white noise on both velocities while the motors are on.
 
     Attributes
@@ -232,17 +194,7 @@ class Disturbance:
         require(self.turn >= 0, "disturbance.turn", self.turn, "0 rad/s or more")
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
-        """Return what one step does; nothing is drawn before the first.
-
-        Parameters
-        ----------
-        robots : int
-            Number of robots, N.
-        time_step : float
-            Duration of a step, s.
-        rng : Generator
-            Where this effect draws from, now and in every step.
-        """
+        """Return what one step does; nothing is drawn before the first."""
         scale = np.array([[self.speed], [self.turn]])
 
         def disturb(velocities: Array, age: Array) -> Array:

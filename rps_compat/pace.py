@@ -3,12 +3,13 @@
 from time import perf_counter, sleep
 from typing import TYPE_CHECKING
 
+from rps_compat.session import Session, StepListener
+
 if TYPE_CHECKING:
     from rps_compat.figure import ArenaFigure
-    from rps_compat.session import Session, StepListener
 
 
-class Pace:
+class Pace(StepListener):
     """Called after each step of an instance that is watched or that has to wait.
 
     Parameters
@@ -23,14 +24,8 @@ class Pace:
         self._figure, self._wait = figure, wait
         self._slot = perf_counter()
 
-    def after_step(self, time_step: float) -> None:
-        """Wait for the end of the step's slot; redraw the window when it is due.
-
-        Parameters
-        ----------
-        time_step : float
-            Duration of the slot, s.
-        """
+    def after_step(self, time_step: float, /) -> None:
+        """Wait for the end of the step's slot; redraw the window when it is due."""
         figure = self._figure
         if figure is not None and figure.in_window:
             figure.refresh()
@@ -41,9 +36,7 @@ class Pace:
             sleep(self._slot - now)
 
 
-def pace_of(
-    figure: "ArenaFigure | None", real_time: bool, session: "Session"
-) -> "StepListener | None":
+def pace_of(figure: "ArenaFigure | None", real_time: bool, session: Session) -> StepListener | None:
     """Pace of an instance; None where nobody watches and nothing waits.
 
     Parameters

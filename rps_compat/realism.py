@@ -53,6 +53,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
+from rps_compat.arena_guests import HearsSilence, Realism
 from rps_compat.command_effects import CommandLoss, DeadBand, DeadTime, Watchdog
 from rps_compat.distributions import ProfileError
 from rps_compat.motor_effects import (
@@ -191,7 +192,7 @@ def _require_effects(names: tuple[str, ...]) -> None:
             )
 
 
-class Imperfections:
+class Imperfections(Realism, HearsSilence):
     """One run under a profile: the arena's ``realism``.
 
     The same profile and generator give the same run, and an effect's draws do not depend on
@@ -219,17 +220,7 @@ class Imperfections:
         self._time_step = 0.0
 
     def reset(self, poses: Array, time_step: float, rng: np.random.Generator) -> None:
-        """Begin a run.
-
-        Parameters
-        ----------
-        poses : (3, N) array
-            Where the robots stand, m and rad.
-        time_step : float
-            Duration of a step, s.
-        rng : Generator
-            Where all randomness of the run is drawn from.
-        """
+        """Begin a run."""
         robots = poses.shape[1]
         root = int(rng.integers(2**63))
         self._time_step = time_step
@@ -242,22 +233,7 @@ class Imperfections:
             stages.append(effect.begin(robots, time_step, stream))
 
     def actuate(self, velocities: Array, poses: Array, time: float) -> Array:
-        """Return the velocities that the robots really drive in this step.
-
-        Parameters
-        ----------
-        velocities : (2, N) array
-            Commanded velocities, m/s and rad/s.
-        poses : (3, N) array
-            True poses, m and rad; no effect asks for them.
-        time : float
-            Seconds since the start of the run; no effect asks for it.
-
-        Returns
-        -------
-        (2, N) array
-            Forward speeds, m/s, and turn rates, rad/s.
-        """
+        """Return the velocities that the robots really drive in this step."""
         if self.commanded:
             self._age[:] = 0.0
         else:
@@ -270,18 +246,7 @@ class Imperfections:
         return driven
 
     def observe(self, poses: Array) -> Array:
-        """Return the poses as the tracking system reports them.
-
-        Parameters
-        ----------
-        poses : (3, N) array
-            True poses, m and rad; stay unchanged.
-
-        Returns
-        -------
-        (3, N) array
-            Measured poses, m and rad.
-        """
+        """Return the poses as the tracking system reports them."""
         seen: Array = poses.copy()
         for stage in self._tracking:
             seen = stage(seen, self._speeds)

@@ -7,32 +7,22 @@ record of what the report needs, on disk and up to date, because such processes 
 
 import threading
 import weakref
+from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
 from rps_compat.arena import Arena, Array
+from rps_compat.arena_guests import Recorder
 from rps_compat.film import Film
 from rps_compat.report import RunReport, report_on
 
 
-class RunRecorder(Protocol):
+class RunRecorder(Recorder, Protocol):
     """A recorder that is told how the run ended; the pose log is one."""
 
-    def append(self, time: float, poses: Array, commands: Array, /) -> None:
-        """Take note of one step.
-
-        Parameters
-        ----------
-        time : float
-            Time since the start of the run, s.
-        poses : (3, N) array
-            Poses as the script read them, m and rad.
-        commands : (2, N) array
-            Commands as given, m/s and rad/s.
-        """
-
+    @abstractmethod
     def close(self, how: str, reason: str, /) -> None:
         """Take note of the end.
 
@@ -54,9 +44,10 @@ OpenRecorder = Callable[[Path, int, dict[str, Any]], RunRecorder]
 Listener = Callable[[float, Arena], None]
 
 
-class Record(Protocol):
+class RecordWriter(Protocol):
     """Where what is known of an instance is kept up to date, step by step."""
 
+    @abstractmethod
     def update(self, arena: Arena, /) -> None:
         """Take note of the step that the arena is about to do.
 
@@ -66,6 +57,7 @@ class Record(Protocol):
             Of the instance that is recorded.
         """
 
+    @abstractmethod
     def close(self, arena: Arena, /) -> None:
         """Take note of the arena as it is at its end.
 
@@ -76,7 +68,7 @@ class Record(Protocol):
         """
 
 
-class Watch:
+class Watch(RunRecorder):
     """Recorder of one instance.
 
     Parameters
@@ -87,7 +79,7 @@ class Watch:
         Where steps are written.
     path : Path or None
         The log's path, without ending.
-    record : Record or None
+    record : RecordWriter or None
         What is kept for another process.
 
     Attributes
@@ -103,7 +95,7 @@ class Watch:
         recording: "Recording",
         log: RunRecorder | None,
         path: Path | None,
-        record: Record | None = None,
+        record: RecordWriter | None = None,
     ) -> None:
         self._recording, self._log, self._path, self._record = recording, log, path, record
         self.instance: Any = None
@@ -127,17 +119,8 @@ class Watch:
         else:
             weakref.finalize(instance, self.close, "finished", "").atexit = False
 
-    def append(self, time: float, poses: Array, commands: Array) -> None:
+    def append(self, time: float, poses: Array, commands: Array, /) -> None:
         """Pass one step on.
-
-        Parameters
-        ----------
-        time : float
-            Time since the start of the run, s.
-        poses : (3, N) array
-            Poses as the script read them, m and rad.
-        commands : (2, N) array
-            Commands as given, m/s and rad/s.
 
         Raises
         ------
@@ -158,16 +141,8 @@ class Watch:
             assert arena is not None
             listen(time, arena)
 
-    def close(self, how: str, reason: str) -> None:
-        """Close log and record; a second call changes nothing.
-
-        Parameters
-        ----------
-        how : str
-            How the run ended, in the words of `Outcome.ended`.
-        reason : str
-            Why, in words; may be empty.
-        """
+    def close(self, how: str, reason: str, /) -> None:
+        """Close log and record; a second call changes nothing."""
         log, self._log = self._log, None
         record, self._record = self._record, None
         if record is not None and self.arena is not None:
@@ -238,7 +213,7 @@ class Recording:
     about: dict[str, Any]
     film: Film | None = None
     name: Callable[[], str] = lambda: ""
-    open_record: Callable[[int, int, Path | None, bool], Record] | None = None
+    open_record: Callable[[int, int, Path | None, bool], RecordWriter] | None = None
     listeners: Sequence[Listener] = ()
     makers: Sequence[Callable[[Arena], None]] = ()
     over: bool = field(default=False, init=False)
@@ -325,13 +300,13 @@ class Recording:
                 watch.arena.recorder = _Continued(child, watch.arena)
 
 
-class _Continued:
+class _Continued(Recorder):
     """Opens a watch for an arena that a child has from its parent, if its robots drive on."""
 
     def __init__(self, recording: Recording, arena: Arena) -> None:
         self._recording, self._arena = recording, arena
 
-    def append(self, time: float, poses: Array, commands: Array) -> None:
+    def append(self, time: float, poses: Array, commands: Array, /) -> None:
         arena = self._arena
         watch = arena.recorder = self._recording.watch(arena.number_of_robots, copied=True)
         watch.arena = arena

@@ -2,15 +2,9 @@
 
 import os
 from pathlib import Path
-from types import ModuleType
 
+from barrier_certificates import file_lock
 from rps_compat.errors import ScriptError
-
-locks: ModuleType | None
-try:
-    import fcntl as locks
-except ImportError:  # Windows: two runs at once are the user's affair
-    locks = None
 
 #: Folders that this process holds, by their file descriptors.
 _HELD: dict[Path, int] = {}
@@ -52,21 +46,17 @@ def claimed_folder(out: Path | None, script: Path) -> Path:
 
 
 def _claim(folder: Path) -> bool:
-    """Lock `folder` for this process; False where another has it. Not every disk knows locks."""
+    """Make `folder`, and lock it for this process; False where another has it."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         place = folder.resolve()
-        if locks is None or place in _HELD:
+        if not file_lock.KNOWN or place in _HELD:
             return True
         held = os.open(place, os.O_RDONLY)
     except OSError as error:
         raise ScriptError(f"cannot write to {folder}: {error.strerror or error}") from error
-    try:
-        locks.flock(held, locks.LOCK_EX | locks.LOCK_NB)
-    except BlockingIOError:
+    if not file_lock.try_lock(held):
         os.close(held)
         return False
-    except OSError:
-        pass
     _HELD[place] = held  # the lock ends with the process
     return True

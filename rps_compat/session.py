@@ -12,6 +12,7 @@ own recorder.
 """
 
 import contextlib
+from abc import abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any, Literal, Protocol, get_args
@@ -29,6 +30,7 @@ Initial = Literal["published", "exact", "arrive", "drive"]
 class StepListener(Protocol):
     """What is told of the end of each step of each instance."""
 
+    @abstractmethod
     def after_step(self, time_step: float, /) -> None:
         """Take note that a step is done.
 

@@ -6,6 +6,7 @@ and returns a function of one measurement.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
@@ -24,6 +25,7 @@ TrackingStage = Callable[[Array, Array], Array]
 class TrackingEffect(Protocol):
     """An imperfection between pose and measurement."""
 
+    @abstractmethod
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> TrackingStage:
         """Draw this run's numbers and return what one measurement does.
 
@@ -45,7 +47,7 @@ class TrackingEffect(Protocol):
 
 
 @dataclass(frozen=True)
-class HeadingOffset:
+class HeadingOffset(TrackingEffect):
     """The marker sits askew on the robot, so its tracked heading is off by a constant.
 
     Attributes
@@ -57,17 +59,7 @@ class HeadingOffset:
     radians: RobotDistribution
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> TrackingStage:
-        """Draw each robot's offset.
-
-        Parameters
-        ----------
-        robots : int
-            Number of robots, N.
-        time_step : float
-            Duration of a step, s.
-        rng : Generator
-            Where this effect draws from, now and in every step.
-        """
+        """Draw each robot's offset."""
         offset = self.radians.draw(robots, rng)
 
         def skew(poses: Array, speeds: Array) -> Array:
@@ -79,7 +71,7 @@ class HeadingOffset:
 
 
 @dataclass(frozen=True)
-class TrackingJitter:
+class TrackingJitter(TrackingEffect):
     """White noise on tracked poses, in the robot's own directions.
 
     Attributes
@@ -102,17 +94,7 @@ class TrackingJitter:
             require(getattr(self, name) >= 0, f"tracking_jitter.{name}", getattr(self, name), "≥ 0")
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> TrackingStage:
-        """Return what one measurement does; nothing is drawn before the first.
-
-        Parameters
-        ----------
-        robots : int
-            Number of robots, N.
-        time_step : float
-            Duration of a step, s.
-        rng : Generator
-            Where this effect draws from, now and in every step.
-        """
+        """Return what one measurement does; nothing is drawn before the first."""
 
         def jitter(poses: Array, speeds: Array) -> Array:
             along, lateral, heading = rng.standard_normal((3, robots))
@@ -129,7 +111,7 @@ class TrackingJitter:
 
 
 @dataclass(frozen=True)
-class TrackingDropout:
+class TrackingDropout(TrackingEffect):
     """The tracker loses a robot now and then, and repeats its last pose meanwhile.
 
     Attributes
@@ -149,17 +131,7 @@ class TrackingDropout:
         require(self.seconds > 0, f"{name}.seconds", self.seconds, "more than 0 s")
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> TrackingStage:
-        """Start with every robot in sight.
-
-        Parameters
-        ----------
-        robots : int
-            Number of robots, N.
-        time_step : float
-            Duration of a step, s.
-        rng : Generator
-            Where this effect draws from, now and in every step.
-        """
+        """Start with every robot in sight."""
         last: Array | None = None
         until = np.zeros(robots)
         time = 0.0

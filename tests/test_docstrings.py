@@ -242,3 +242,99 @@ def test_only_modules_without_an_underscore_are_held():
     assert held(Path("package/part/module.py"))
     assert not held(Path("package/_part/module.py"))
     assert not held(Path("package/__main__.py"))
+
+
+#: A Protocol, and what implements it. INHERITS stands where a subclass names its base.
+OVERRIDDEN = '''
+from typing import Protocol
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+class Effect(Protocol):
+    """An imperfection."""
+
+    def begin(self, robots: int, poses: Floats) -> Floats:
+        """Draw a run's numbers.
+
+        Parameters
+        ----------
+        robots : int
+            Number of robots, N.
+        poses : (3, N) array
+            Where they stand, m and rad.
+
+        Returns
+        -------
+        (N,) array
+            A number each.
+
+        Raises
+        ------
+        ValueError
+            There are no robots.
+        """
+
+class Lag(INHERITS):
+    """Robots follow late."""
+
+    def begin(self, robots: int, poses: Floats) -> Floats:
+        """Draw each robot's time constant."""
+        if not robots:
+            raise ValueError("no robots")
+        return poses[0]
+
+class Longer(Lag):
+    """Later still."""
+
+    def begin(self, robots: int, poses: Floats) -> Floats:
+        return 2 * poses[0]
+'''
+
+
+def test_an_override_tells_only_what_is_new(tmp_path):
+    assert faults(tmp_path, OVERRIDDEN.replace("INHERITS", "Effect")) == []
+    unnamed = faults(tmp_path, OVERRIDDEN.replace("INHERITS", "object"))
+    assert [fault[:20] for fault in unnamed] == [
+        "Lag.begin: PR01 Para", "Lag.begin: the shape", "Lag.begin: ValueErro",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "said"),
+    [
+        ('        """Draw each robot\'s time constant."""\n', "", None),
+        ("2 * poses[0]", "1 / 0", None),
+        ("2 * poses[0]", "self.fail()\n        raise KeyError", "Longer.begin: KeyError is raised"),
+        ('constant."""', 'constant"""', "Lag.begin: SS03"),
+        ('raise ValueError("no robots")', "raise TypeError", "Lag.begin: TypeError is raised"),
+    ],
+)
+def test_what_an_override_says_is_still_held(tmp_path, right, wrong, said):
+    source = OVERRIDDEN.replace("INHERITS", "Effect")
+    assert source.count(right) == 1
+    found = faults(tmp_path, source.replace(right, wrong))
+    assert [fault.startswith(said) for fault in found] == [True] if said else found == []
+
+
+def test_an_override_tells_its_own_arguments_and_no_shape_that_its_base_does_not(tmp_path):
+    source = OVERRIDDEN.replace("INHERITS", "Effect")
+    last = "(self, robots: int, poses: Floats) -> Floats:\n        return"
+    assert source.count(last) == 1
+    more = source.replace(last, last.replace("Floats)", "Floats, seed: int = 0)"))
+    assert [fault[:18] for fault in faults(tmp_path, more)] == ["Longer.begin: GL08"]
+    told = 'poses: Floats) -> Floats:\n        """Draw a run\'s'
+    assert source.count(told) == 1
+    base = source.replace(told, told.replace("-> Floats", "-> object"))
+    shapes = [fault for fault in faults(tmp_path, base) if "the shape of what is returned" in fault]
+    assert [fault.split(":")[0] for fault in shapes] == ["Lag.begin"]
+
+
+def test_a_method_that_no_base_tells_has_to_be_told(tmp_path):
+    source = OVERRIDDEN.replace("INHERITS", "Effect")
+    untold = source.replace("class Longer(Lag):", "class Longer(Elsewhere):")
+    assert faults(tmp_path, untold)
+    renamed = source.replace("        return 2 * poses[0]", "        return poses[0]\n\n"
+                             "    def end(self) -> None: ...")  # fmt: skip
+    assert [fault[:16] for fault in faults(tmp_path, renamed)] == ["Longer.end: GL08"]

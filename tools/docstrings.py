@@ -5,7 +5,8 @@
 
 numpydoc's own validation says which arguments are missing, unknown, out of order or without a
 description. Three things it cannot see are seen here: fields of dataclasses, shapes of arrays, and
-errors that a body raises. ``CONTRIBUTING.md`` states the rule. Files are parsed, never imported.
+errors that a body raises. What a method inherits from the method that it overrides need not be told
+again. ``CONTRIBUTING.md`` states the rule. Files are parsed, never imported.
 """
 
 import argparse
@@ -125,22 +126,38 @@ class Project:
     """What has to be known of all files to judge one: array types, and what classes inherit."""
 
     def __init__(self, trees: Iterable[ast.Module]) -> None:
-        self._classes: dict[str, ast.ClassDef] = {}
+        self._classes: dict[str, list[ast.ClassDef]] = {}
         arrays = {"NDArray", "ndarray", "ArrayLike"}
         for node in (node for tree in trees for node in ast.walk(tree)):
             if isinstance(node, ast.ClassDef):
-                self._classes[node.name] = node
+                self._classes.setdefault(node.name, []).append(node)
             elif isinstance(node, ast.Assign) and is_array_type(node.value):
                 arrays |= {target.id for target in node.targets if isinstance(target, ast.Name)}
         self._arrays = re.compile(rf"\b({'|'.join(sorted(arrays))})\b")
 
     def inherited(self, node: ast.ClassDef) -> set[str]:
         """Return the names of the fields that a class has from others of the project."""
-        found: set[str] = set()
+        return {name for base in self._bases(node) for name in fields(base)}
+
+    def overridden(self, name: str, within: ast.AST) -> tuple[Function, ast.ClassDef] | None:
+        """Return the documented method that one of this name overrides in a class, and its class.
+
+        Only bases count that the class names: a Protocol, too, is one only where it says so.
+        """
+        for base in self._bases(within) if isinstance(within, ast.ClassDef) else ():
+            for line in base.body:
+                if isinstance(line, Function) and line.name == name and ast.get_docstring(line):
+                    return line, base
+        return None
+
+    def _bases(self, node: ast.ClassDef, seen: frozenset[int] = frozenset()) -> list[ast.ClassDef]:
+        """Return the classes of the project above one; of two with one name, both."""
+        seen |= {id(node)}
+        found: list[ast.ClassDef] = []
         for base in node.bases:
-            above = self._classes.get(last_name(base))
-            if above is not None and above is not node:
-                found |= fields(above).keys() | self.inherited(above)
+            for above in self._classes.get(last_name(base), ()):
+                if id(above) not in seen:
+                    found += [above, *self._bases(above, seen)]
         return found
 
     def names_an_array(self, annotation: ast.expr | None) -> bool:
@@ -158,7 +175,34 @@ class Checked(AstValidator):  # type: ignore[misc]
         self, node: Definition, path: Path, name: str, within: ast.AST, project: Project
     ) -> None:
         super().__init__(ast_node=node, filename=path, obj_name=name, ancestry=[within])
-        self._project = project
+        self._path, self._within, self._project = path, within, project
+
+    @cached_property
+    def above(self) -> "Checked | None":
+        """The documented method that this one overrides, which tells what this does not."""
+        found = None if self.is_class else self._project.overridden(self.node.name, self._within)
+        if found is None:
+            return None
+        return Checked(found[0], self._path, self.name, found[1], self._project)
+
+    @cached_property
+    def inherited(self) -> set[str]:
+        """The parameters that need not be told again."""
+        if self.is_class:
+            return self._project.inherited(self.node)
+        if self.above is None:
+            return set()
+        return self.annotations.keys() & (self.above.annotations.keys() | self.above.inherited)
+
+    @cached_property
+    def errors(self) -> set[str]:
+        """The last names of the errors that are told, here or above."""
+        told = {
+            name.rpartition(".")[2]
+            for entry in self.doc["Raises"]
+            for name in re.split(r",\s*", entry.type or entry.name)
+        }
+        return told if self.above is None else told | self.above.errors
 
     @cached_property
     def constructor(self) -> Function | None:
@@ -180,12 +224,12 @@ class Checked(AstValidator):  # type: ignore[misc]
 
     @property
     def signature_parameters(self) -> tuple[str, ...]:
-        """What has to be told, and at their places what may be: inherited fields, named options."""
-        own, told = list(self.annotations), list(self.doc_all_parameters)
-        optional = self._project.inherited(self.node) if self.is_class else set()
+        """What has to be told, and at their places what may be: the inherited, named options."""
+        told, optional = list(self.doc_all_parameters), self.inherited
+        own = [name for name in self.annotations if self.is_class or name not in optional]
         options = next((name for name in own if name.startswith("**")), None)
         if options is not None and options not in told and set(told) - set(own):
-            optional |= set(told)  # each by its name instead
+            optional = optional | set(told)  # each by its name instead
             own.remove(options)
         for place, name in enumerate(told):
             if name not in own and name in optional:
@@ -207,9 +251,10 @@ class Checked(AstValidator):  # type: ignore[misc]
     def faults(self) -> Iterator[str]:
         """Yield what this docstring lacks."""
         for code, text in validate(self.name, validator_cls=lambda obj_name: self)["errors"]:
-            if code in CODES:
+            needless = code == "GL08" and self.above and not self.signature_parameters
+            if code in CODES and not needless:  # GL08: there is no docstring
                 yield f"{code} {text}"
-        if self.raw_doc:
+        if self.raw_doc or self.above:
             for name, (_, text) in self.doc_all_parameters.items():
                 if FILLER.fullmatch(" ".join(text)):
                     yield f"the description of {name} says nothing: {' '.join(text)!r}"
@@ -227,6 +272,9 @@ class Checked(AstValidator):  # type: ignore[misc]
             return
         types = [entry.type for entry in (*self.returns, *self.yields)]
         words = f"{self.summary} {self.extended_summary}"
+        above = self.above
+        if not types and above is not None and self._project.names_an_array(above.node.returns):
+            return
         if any(SHAPE_IN_TYPE.search(text) for text in types):
             return
         if types or self.annotations or not SHAPE_IN_WORDS.search(words):
@@ -234,12 +282,7 @@ class Checked(AstValidator):  # type: ignore[misc]
 
     def _errors(self) -> Iterator[str]:
         body = self.constructor if self.is_class else self.node
-        told = {
-            name.rpartition(".")[2]
-            for entry in self.doc["Raises"]
-            for name in re.split(r",\s*", entry.type or entry.name)
-        }
-        for name in sorted(set(raised(body)) - told if body is not None else ()):
+        for name in sorted(set(raised(body)) - self.errors if body is not None else ()):
             yield f"{name} is raised, but is not under Raises"
 
 

@@ -14,10 +14,10 @@ import numpy as np
 
 from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.certificate_errors import ParameterError
-from barrier_certificates.rows.row_family import NOTHING_NEAR, Barrier, Scene, with_world
+from barrier_certificates.rows.row_family import NOTHING_NEAR, Barrier, Family, Scene, with_world
 
 
-class LimitRows:
+class LimitRows(Family):
     """Every robot's velocity stays inside a polygon, fixed in the plane or to its heading.
 
     Parameters
@@ -54,51 +54,16 @@ class LimitRows:
         self._turned = np.stack([along, -across], axis=1), np.stack([across, along], axis=1)
 
     def partners(self, number: int) -> IntArray:
-        """Return which robots each row joins: side by side, every robot with the world.
-
-        Parameters
-        ----------
-        number : int
-            Number of robots, N.
-
-        Returns
-        -------
-        (2, m) array
-            Numbers of the robots in each row; the second is `WORLD`.
-        """
+        """Return which robots each row joins: side by side, every robot with the world."""
         return with_world(len(self.names), number)
 
     def prepare(self, number: int, coefficient: FloatArray, bound: FloatArray) -> None:
-        """Write what does not turn.
-
-        Parameters
-        ----------
-        number : int
-            Number of robots, N.
-        coefficient : (4, m) array
-            Where the coefficients are written: x and y of the first robot, x and y of the second.
-        bound : (m,) array
-            Where the right-hand sides are written, m/s.
-        """
+        """Write what does not turn."""
         coefficient[:2] = np.repeat(self.normals, number, axis=1)
         bound[:] = np.repeat(self.bounds, number)
 
     def update(self, scene: Scene, coefficient: FloatArray, bound: FloatArray) -> Barrier:
-        """Turn the polygon with the headings.
-
-        Parameters
-        ----------
-        scene : Scene
-            Where the team is.
-        coefficient : (4, m) array
-            Where the coefficients are written: x and y of the first robot, x and y of the second.
-        bound : (m,) array
-            Where the right-hand sides are written, m/s.
-
-        Returns
-        -------
-        Barrier
-            Nothing near: limits have no barrier.
+        """Turn the polygon with the headings; nothing is near, since limits have no barrier.
 
         Raises
         ------
@@ -114,37 +79,11 @@ class LimitRows:
         return NOTHING_NEAR
 
     def measure(self, scene: Scene) -> tuple[FloatArray, FloatArray]:
-        """Return nothing: limits have no barrier.
-
-        Parameters
-        ----------
-        scene : Scene
-            Where the team is.
-
-        Returns
-        -------
-        h : (0,) array
-            Empty.
-        clearance : (0,) array
-            Empty.
-        """
+        """Return nothing: limits have no barrier."""
         return np.zeros(0), np.zeros(0)
 
     def label(self, number: int, row: int) -> str:
-        """Say which robot and which limit.
-
-        Parameters
-        ----------
-        number : int
-            Number of robots, N.
-        row : int
-            Index among the rows of this kind.
-
-        Returns
-        -------
-        str
-            Words for people, as in ``info.active``.
-        """
+        """Say which robot and which limit."""
         return f"robot {row % number}: {self.names[row // number]}"
 
 

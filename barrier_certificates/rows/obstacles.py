@@ -19,7 +19,7 @@ from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.certificate_errors import ParameterError
 from barrier_certificates.rows.disturbance import WheelDisturbance
 from barrier_certificates.rows.pairs import COINCIDENT
-from barrier_certificates.rows.row_family import Barrier, Scene, with_world
+from barrier_certificates.rows.row_family import Barrier, Family, Scene, with_world
 
 Point = tuple[float, float]
 
@@ -136,7 +136,7 @@ def listed(obstacles: Any) -> tuple[Obstacle, ...]:
     raise ParameterError(f"obstacles are {obstacles!r}; expected a sequence of Disc and Segment")
 
 
-class ObstacleRows:
+class ObstacleRows(Family):
     """Every robot stays away from every obstacle: −2D·vᵢ + 2D·ċ ≤ γ h³, h = ‖D‖² − R².
 
     Parameters
@@ -188,50 +188,14 @@ class ObstacleRows:
         self.names = tuple(o.name or f"obstacle {k}" for k, o in enumerate(obstacles))
 
     def partners(self, number: int) -> IntArray:
-        """Return which robots each row joins: obstacle by obstacle, every robot with the world.
-
-        Parameters
-        ----------
-        number : int
-            Number of robots, N.
-
-        Returns
-        -------
-        (2, m) array
-            Numbers of the robots in each row; the second is `WORLD`.
-        """
+        """Return which robots each row joins: obstacle by obstacle, every robot with the world."""
         return with_world(len(self.names), number)
 
     def prepare(self, number: int, coefficient: FloatArray, bound: FloatArray) -> None:
-        """Write nothing: all of it changes with the positions.
-
-        Parameters
-        ----------
-        number : int
-            Number of robots, N.
-        coefficient : (4, m) array
-            Where the coefficients are written: x and y of the first robot, x and y of the second.
-        bound : (m,) array
-            Where the right-hand sides are written, m/s.
-        """
+        """Write nothing: all of it changes with the positions."""
 
     def update(self, scene: Scene, coefficient: FloatArray, bound: FloatArray) -> Barrier:
-        """Write the rows for the present positions.
-
-        Parameters
-        ----------
-        scene : Scene
-            Where the team is.
-        coefficient : (4, m) array
-            Where the coefficients are written: x and y of the first robot, x and y of the second.
-        bound : (m,) array
-            Where the right-hand sides are written, m/s.
-
-        Returns
-        -------
-        Barrier
-            The one of least clearance.
-        """
+        """Write the rows for the present positions."""
         offset, square = self._offsets(scene)
         if square.min() < COINCIDENT**2:
             square = self._leave(offset, square)
@@ -249,20 +213,7 @@ class ObstacleRows:
         return Barrier(h.item(row), clearance.item(row), row)
 
     def measure(self, scene: Scene) -> tuple[FloatArray, FloatArray]:
-        """Return how far every robot is from every obstacle.
-
-        Parameters
-        ----------
-        scene : Scene
-            Where the team is.
-
-        Returns
-        -------
-        h : (m,) array
-            Barriers ‖D‖² − R², m².
-        clearance : (m,) array
-            Distances less radii, ‖D‖ − R, m.
-        """
+        """Return how far every robot is from every obstacle."""
         _, square = self._offsets(scene)
         h, clearance = square - self._distance**2, np.sqrt(square) - self._distance
         return h.reshape(-1), clearance.reshape(-1)
@@ -287,18 +238,5 @@ class ObstacleRows:
         return np.where(inside, COINCIDENT**2, square)
 
     def label(self, number: int, row: int) -> str:
-        """Say which robot and which obstacle.
-
-        Parameters
-        ----------
-        number : int
-            Number of robots, N.
-        row : int
-            Index among the rows of this kind.
-
-        Returns
-        -------
-        str
-            Words for people, as in ``info.active``.
-        """
+        """Say which robot and which obstacle."""
         return f"robot {row % number} and {self.names[row // number]}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -14,14 +15,6 @@ WORLD = -1
 
 class Barrier(NamedTuple):
     """What is nearest to being unsafe: its barrier, the same in metres, and its row.
-
-    ``h`` is ‖D‖² − r² in m² for pairs and obstacles, and the distance less the margin in m for
-    walls; ``clearance`` is in metres for all, so it is what barriers are compared by. Both are
-    negative exactly when something is unsafe. ``row`` is −1 where there is nothing.
-
-    Barrier and clearance are negative exactly when something is unsafe.
-
-    Barrier and clearance are negative exactly when something is unsafe.
 
     Barrier and clearance are negative exactly when something is unsafe.
 
@@ -63,6 +56,7 @@ class Family(Protocol):
 
     weight: float
 
+    @abstractmethod
     def partners(self, number: int) -> IntArray:
         """Return which robots each row joins.
 
@@ -77,6 +71,7 @@ class Family(Protocol):
             Numbers of the robots in each row; `WORLD` where there is no second one.
         """
 
+    @abstractmethod
     def prepare(self, number: int, coefficient: FloatArray, bound: FloatArray) -> None:
         """Write what never changes.
 
@@ -90,6 +85,7 @@ class Family(Protocol):
             Where the right-hand sides are written, m/s.
         """
 
+    @abstractmethod
     def update(self, scene: Scene, coefficient: FloatArray, bound: FloatArray) -> Barrier:
         """Write what changes with the scene.
 
@@ -108,6 +104,7 @@ class Family(Protocol):
             The one of least clearance.
         """
 
+    @abstractmethod
     def measure(self, scene: Scene) -> tuple[FloatArray, FloatArray]:
         """Return barrier and clearance of each row; empty where the family has no barrier.
 
@@ -124,6 +121,7 @@ class Family(Protocol):
             The same in metres.
         """
 
+    @abstractmethod
     def label(self, number: int, row: int) -> str:
         """Say what the row stands for.
 

@@ -10,11 +10,11 @@ import numpy as np
 from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.certificate_errors import ParameterError
 from barrier_certificates.rows.disturbance import WheelDisturbance
-from barrier_certificates.rows.row_family import Barrier, Scene, with_world
+from barrier_certificates.rows.row_family import Barrier, Family, Scene, with_world
 from barrier_certificates.ties import TIE
 
 
-class WallRows:
+class WallRows(Family):
     """Every robot stays inside: n·vᵢ ≤ 0.4 γ g³, g = distance to the wall − margin.
 
     Parameters
@@ -54,51 +54,15 @@ class WallRows:
         self._inner = (offsets - margin)[:, None]
 
     def partners(self, number: int) -> IntArray:
-        """Return which robots each row joins: wall by wall, every robot with the world.
-
-        Parameters
-        ----------
-        number : int
-            Number of robots, N.
-
-        Returns
-        -------
-        (2, m) array
-            Numbers of the robots in each row; the second is `WORLD`.
-        """
+        """Return which robots each row joins: wall by wall, every robot with the world."""
         return with_world(len(self.names), number)
 
     def prepare(self, number: int, coefficient: FloatArray, bound: FloatArray) -> None:
-        """Write the normals, which never change.
-
-        Parameters
-        ----------
-        number : int
-            Number of robots, N.
-        coefficient : (4, m) array
-            Where the coefficients are written: x and y of the first robot, x and y of the second.
-        bound : (m,) array
-            Where the right-hand sides are written, m/s.
-        """
+        """Write the normals, which never change."""
         coefficient[:2] = np.repeat(self.normals, number, axis=1)
 
     def update(self, scene: Scene, coefficient: FloatArray, bound: FloatArray) -> Barrier:
-        """Write the bounds for the present positions.
-
-        Parameters
-        ----------
-        scene : Scene
-            Where the team is.
-        coefficient : (4, m) array
-            Where the coefficients are written: x and y of the first robot, x and y of the second.
-        bound : (m,) array
-            Where the right-hand sides are written, m/s.
-
-        Returns
-        -------
-        Barrier
-            The one of least clearance.
-        """
+        """Write the bounds for the present positions."""
         gap = self._outward @ scene.positions
         np.subtract(self._inner, gap, out=gap)
         gap = gap.reshape(-1)
@@ -113,38 +77,12 @@ class WallRows:
         return Barrier(smallest, smallest, row)
 
     def measure(self, scene: Scene) -> tuple[FloatArray, FloatArray]:
-        """Return the gap of every robot to every wall twice: it is barrier and clearance in one.
-
-        Parameters
-        ----------
-        scene : Scene
-            Where the team is.
-
-        Returns
-        -------
-        h : (m,) array
-            Gaps, m.
-        clearance : (m,) array
-            The same, m.
-        """
+        """Return the gap of every robot to every wall twice: it is barrier and clearance in one."""
         gap = (self._inner - self._outward @ scene.positions).reshape(-1)
         return gap, gap
 
     def label(self, number: int, row: int) -> str:
-        """Say which robot and which wall.
-
-        Parameters
-        ----------
-        number : int
-            Number of robots, N.
-        row : int
-            Index among the rows of this kind.
-
-        Returns
-        -------
-        str
-            Words for people, as in ``info.active``.
-        """
+        """Say which robot and which wall."""
         return f"robot {row % number} and {self.names[row // number]}"
 
 

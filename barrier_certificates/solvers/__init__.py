@@ -1,7 +1,7 @@
 """Who solves a small program: a registry, and one module a solver, all with one signature.
 
-The signature is `Solve`: the point nearest to a target that satisfies chosen rows. A new solver is
-one file, ``solve_NAME.py`` with a function ``solve``, and one entry below, which says what it needs
+Each is a `QpSolver`: it finds the point nearest to a target that satisfies chosen rows. A new
+solver is one file, ``solve_NAME.py`` with a class, and one entry below, which says what it needs
 and imports it when it is first asked for. `active_set` is the guess that answers most steps before
 any of them is asked, and that turns an approximate optimum into the exact one.
 """
@@ -11,49 +11,24 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from importlib.util import find_spec
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.certificate_errors import ParameterError, SolverNotInstalledError
 from barrier_certificates.rows.row_set import Rows
-from barrier_certificates.solvers.solve_nnls import solve as solve_by_nnls
+from barrier_certificates.solvers.qp_solver import QpSolver
+from barrier_certificates.solvers.solve_nnls import Nnls
 
-__all__ = ["NAMES", "Solve", "check", "choose", "confirm", "installed", "load", "solve"]
+__all__ = ["NAMES", "QpSolver", "check", "choose", "confirm", "installed", "load", "solve"]
 
 LARGE = 120
 """From this number of unknowns on, a sparse solver is chosen where one is installed."""
 
 
-class Solve(Protocol):
-    """What every solver does."""
-
-    def __call__(
-        self, rows: Rows, which: IntArray, target: FloatArray, options: Mapping[str, float]
-    ) -> FloatArray | None:
-        """Return the point nearest to ``target`` that satisfies the chosen rows.
-
-        Parameters
-        ----------
-        rows : Rows
-            All rows.
-        which : (k,) integer array
-            Indices of the rows to satisfy.
-        target : (size,) array
-            The point to be projected, m/s.
-        options : mapping
-            The solver's own, by their own names; they hold for this call.
-
-        Returns
-        -------
-        (size,) array or None
-            None if no point satisfies them, or none was found.
-        """
-
-
 class _Solver(NamedTuple):
     needs: str
     extra: str
-    load: Callable[[], Solve]
+    load: Callable[[], QpSolver]
 
 
 _SOLVERS: dict[str, _Solver] = {}
@@ -61,13 +36,13 @@ _SOLVERS: dict[str, _Solver] = {}
 
 def _register(
     name: str, needs: str = "", extra: str = ""
-) -> Callable[[Callable[[], Solve]], Callable[[], Solve]]:
+) -> Callable[[Callable[[], QpSolver]], Callable[[], QpSolver]]:
     """Enter a solver: its name, the library it needs, and the extra that brings that.
 
     The library goes by the solver's name, and comes with the default install, unless said.
     """
 
-    def enter(load: Callable[[], Solve]) -> Callable[[], Solve]:
+    def enter(load: Callable[[], QpSolver]) -> Callable[[], QpSolver]:
         _SOLVERS[name] = _Solver(needs or name, extra, load)
         return load
 
@@ -75,50 +50,50 @@ def _register(
 
 
 @_register("nnls", needs="scipy")
-def _() -> Solve:
-    return solve_by_nnls  # imported at once: on the testbed, the first hard step must not wait
+def _() -> QpSolver:
+    return Nnls()  # imported at once: on the testbed, the first hard step must not wait
 
 
 @_register("daqp", extra="fast")
-def _() -> Solve:
-    from barrier_certificates.solvers.solve_daqp import solve
+def _() -> QpSolver:
+    from barrier_certificates.solvers.solve_daqp import Daqp
 
-    return solve
+    return Daqp()
 
 
 @_register("clarabel")
-def _() -> Solve:
-    from barrier_certificates.solvers.solve_clarabel import solve
+def _() -> QpSolver:
+    from barrier_certificates.solvers.solve_clarabel import Clarabel
 
-    return solve
+    return Clarabel()
 
 
 @_register("piqp", extra="fast")
-def _() -> Solve:
-    from barrier_certificates.solvers.solve_piqp import solve
+def _() -> QpSolver:
+    from barrier_certificates.solvers.solve_piqp import Piqp
 
-    return solve
+    return Piqp()
 
 
 @_register("osqp")
-def _() -> Solve:
-    from barrier_certificates.solvers.solve_osqp import solve
+def _() -> QpSolver:
+    from barrier_certificates.solvers.solve_osqp import Osqp
 
-    return solve
+    return Osqp()
 
 
 @_register("cvxopt", extra="cvxopt")
-def _() -> Solve:
-    from barrier_certificates.solvers.solve_cvxopt import solve
+def _() -> QpSolver:
+    from barrier_certificates.solvers.solve_cvxopt import Cvxopt
 
-    return solve
+    return Cvxopt()
 
 
 @_register("cvxpy")
-def _() -> Solve:
-    from barrier_certificates.solvers.solve_cvxpy import solve
+def _() -> QpSolver:
+    from barrier_certificates.solvers.solve_cvxpy import Cvxpy
 
-    return solve
+    return Cvxpy()
 
 
 NAMES = tuple(_SOLVERS)
@@ -209,8 +184,8 @@ def confirm(asked: Iterable[str], size: int) -> str | None:
 
 
 @cache
-def load(name: str) -> Solve:
-    """Return the ``solve`` of a solver, importing it now.
+def load(name: str) -> QpSolver:
+    """Return a solver, importing it now.
 
     Parameters
     ----------
@@ -231,7 +206,7 @@ def load(name: str) -> Solve:
 def solve(
     name: str, rows: Rows, which: IntArray, target: FloatArray, options: Mapping[str, float]
 ) -> FloatArray | None:
-    """Ask the solver named; see `Solve`.
+    """Ask the solver named; see `QpSolver.solve`.
 
     Parameters
     ----------
@@ -257,9 +232,9 @@ def solve(
         If the options are not what this solver takes; the message has its own words.
     """
     if not options:
-        return load(name)(rows, which, target, options)
+        return load(name).solve(rows, which, target, options)
     try:
-        return load(name)(rows, which, target, options)
+        return load(name).solve(rows, which, target, options)
     except (AttributeError, TypeError, ValueError) as error:
         raise ParameterError(
             f"options of solver {name!r} are {dict(options)}; expected its own, by its own names: "

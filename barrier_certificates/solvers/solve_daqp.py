@@ -12,44 +12,30 @@ import numpy as np
 
 from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.rows.row_set import Rows
+from barrier_certificates.solvers.qp_solver import QpSolver
 
 _DEFAULTS = {"primal_tol": 1e-11, "dual_tol": 1e-12}
 
 
-def solve(
-    rows: Rows, which: IntArray, target: FloatArray, options: Mapping[str, float]
-) -> FloatArray | None:
-    """Return the nearest point to the target that satisfies the chosen rows.
+class Daqp(QpSolver):
+    """Asks daqp; options are its settings, such as ``iter_limit``."""
 
-    Parameters
-    ----------
-    rows : Rows
-        All rows.
-    which : (k,) integer array
-        Indices of the rows to satisfy.
-    target : (size,) array
-        The point to be projected, m/s.
-    options : mapping
-        Settings of daqp, such as ``iter_limit``.
+    def solve(
+        self, rows: Rows, which: IntArray, target: FloatArray, options: Mapping[str, float]
+    ) -> FloatArray | None:
+        import daqp
 
-    Returns
-    -------
-    (size,) array or None
-        The nearest point, m/s; None if there is none.
-    """
-    import daqp
-
-    bound = rows.bound.take(which)
-    point, _, flag, _ = daqp.solve(
-        _identity(rows.size),
-        -target,
-        np.ascontiguousarray(rows.dense(which)),
-        bound,
-        np.full(bound.shape[0], -1e30),
-        np.zeros(bound.shape[0], dtype=np.intc),
-        **{**_DEFAULTS, **options},
-    )
-    return np.asarray(point) if flag == 1 else None
+        bound = rows.bound.take(which)
+        point, _, flag, _ = daqp.solve(
+            _identity(rows.size),
+            -target,
+            np.ascontiguousarray(rows.dense(which)),
+            bound,
+            np.full(bound.shape[0], -1e30),
+            np.zeros(bound.shape[0], dtype=np.intc),
+            **{**_DEFAULTS, **options},
+        )
+        return np.asarray(point) if flag == 1 else None
 
 
 @lru_cache(maxsize=8)

@@ -17,6 +17,7 @@ from scipy.optimize import nnls
 
 from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.rows.row_set import Rows
+from barrier_certificates.solvers.qp_solver import QpSolver
 
 _NO_RESIDUAL = 1e-9
 _BROKEN = 1e-10  # m/s
@@ -27,67 +28,54 @@ _ROUNDING = 1e-12  # of unknowns that are large numbers, as slacks are
 _SCALES = (1.0, 10.0, 0.3, 100.0)
 
 
-def solve(
-    rows: Rows, which: IntArray, target: FloatArray, options: Mapping[str, float]
-) -> FloatArray | None:
-    """Return the nearest point to the target that satisfies the chosen rows.
+class Nnls(QpSolver):
+    """Solves by `scipy.optimize.nnls`; the one option is its ``maxiter``."""
 
-    Parameters
-    ----------
-    rows : Rows
-        All rows.
-    which : (k,) integer array
-        Indices of the rows to satisfy.
-    target : (size,) array
-        The point to be projected, m/s.
-    options : mapping
-        ``maxiter``: as in `scipy.optimize.nnls`.
+    def solve(
+        self, rows: Rows, which: IntArray, target: FloatArray, options: Mapping[str, float]
+    ) -> FloatArray | None:
+        """Return the nearest point; see `QpSolver.solve`.
 
-    Returns
-    -------
-    (size,) array or None
-        The nearest point, m/s; None if there is none.
-
-    Raises
-    ------
-    TypeError
-        If there is another option.
-    """
-    matrix, bound = rows.dense(which), rows.bound.take(which)
-    system = np.empty((rows.size + 1, which.shape[0]))
-    np.negative(matrix.T, out=system[:-1])
-    excess = matrix @ target - bound
-    aim = np.zeros(rows.size + 1)
-    aim[-1] = 1.0
-    if options.keys() - {"maxiter"}:
-        raise TypeError(f"got {sorted(options)}, where nnls has maxiter alone")
-    maxiter = options.get("maxiter")
-    point: FloatArray | None = None
-    worst = float(excess.max())
-    if worst <= 0.0:
-        return target
-    for scale in _SCALES:
-        scale *= worst
-        np.divide(excess, scale, out=system[-1])
-        try:
-            weights, _ = nnls(system, aim, maxiter=None if maxiter is None else int(maxiter))
-        except RuntimeError:  # out of iterations
-            continue
-        residual = system @ weights - aim
+        Raises
+        ------
+        TypeError
+            If there is another option.
+        """
+        matrix, bound = rows.dense(which), rows.bound.take(which)
+        system = np.empty((rows.size + 1, which.shape[0]))
+        np.negative(matrix.T, out=system[:-1])
+        excess = matrix @ target - bound
+        aim = np.zeros(rows.size + 1)
+        aim[-1] = 1.0
+        if options.keys() - {"maxiter"}:
+            raise TypeError(f"got {sorted(options)}, where nnls has maxiter alone")
+        maxiter = options.get("maxiter")
+        point: FloatArray | None = None
+        worst = float(excess.max())
+        if worst <= 0.0:
+            return target
+        for scale in _SCALES:
+            scale *= worst
+            np.divide(excess, scale, out=system[-1])
+            try:
+                weights, _ = nnls(system, aim, maxiter=None if maxiter is None else int(maxiter))
+            except RuntimeError:  # out of iterations
+                continue
+            residual = system @ weights - aim
+            if math.sqrt(residual @ residual) < _NO_RESIDUAL or residual[-1] == 0.0:
+                return None
+            point = target - residual[:-1] * (scale / residual[-1])
+            broken = float((matrix @ point - bound).max())
+            if broken <= _BROKEN or broken <= max(1e-14 * worst, _ROUNDING * np.abs(point).max()):
+                return point
+        np.divide(excess, worst, out=system[-1])
+        residual = system @ _bounded(system, aim) - aim
         if math.sqrt(residual @ residual) < _NO_RESIDUAL or residual[-1] == 0.0:
             return None
-        point = target - residual[:-1] * (scale / residual[-1])
-        broken = float((matrix @ point - bound).max())
-        if broken <= _BROKEN or broken <= max(1e-14 * worst, _ROUNDING * np.abs(point).max()):
-            return point
-    np.divide(excess, worst, out=system[-1])
-    residual = system @ _bounded(system, aim) - aim
-    if math.sqrt(residual @ residual) < _NO_RESIDUAL or residual[-1] == 0.0:
-        return None
-    last: FloatArray = target - residual[:-1] * (worst / residual[-1])
-    if point is None or (matrix @ last - bound).max() < (matrix @ point - bound).max():
-        return last
-    return point
+        last: FloatArray = target - residual[:-1] * (worst / residual[-1])
+        if point is None or (matrix @ last - bound).max() < (matrix @ point - bound).max():
+            return last
+        return point
 
 
 def _bounded(system: FloatArray, aim: FloatArray) -> FloatArray:

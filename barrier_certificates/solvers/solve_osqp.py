@@ -15,47 +15,33 @@ from scipy import sparse
 from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.rows.row_set import Rows
 from barrier_certificates.solvers.active_set import polish
+from barrier_certificates.solvers.qp_solver import QpSolver
 
 _DEFAULTS = {"eps_abs": 1e-7, "eps_rel": 1e-7, "max_iter": 20000, "polishing": True}
 
 
-def solve(
-    rows: Rows, which: IntArray, target: FloatArray, options: Mapping[str, float]
-) -> FloatArray | None:
-    """Return the nearest point to the target that satisfies the chosen rows.
+class Osqp(QpSolver):
+    """Asks OSQP; options are its settings, such as ``max_iter``."""
 
-    Parameters
-    ----------
-    rows : Rows
-        All rows.
-    which : (k,) integer array
-        Indices of the rows to satisfy.
-    target : (size,) array
-        The point to be projected, m/s.
-    options : mapping
-        Settings of OSQP, such as ``max_iter``.
+    def solve(
+        self, rows: Rows, which: IntArray, target: FloatArray, options: Mapping[str, float]
+    ) -> FloatArray | None:
+        import osqp
 
-    Returns
-    -------
-    (size,) array or None
-        The nearest point, m/s; None if there is none.
-    """
-    import osqp
-
-    settings = {**_DEFAULTS, **options}
-    if int(osqp.__version__.split(".")[0]) < 1:
-        settings["polish"] = settings.pop("polishing")
-    solver = osqp.OSQP()
-    solver.setup(
-        P=sparse.identity(rows.size, format="csc"),
-        q=-target,
-        A=rows.sparse(which).tocsc(),
-        l=np.full(which.shape[0], -np.inf),
-        u=rows.bound.take(which),
-        verbose=False,
-        **settings,
-    )
-    result = solver.solve()
-    if result.info.status != "solved":
-        return None
-    return polish(rows, which, target, np.asarray(result.x), np.asarray(result.y))
+        settings = {**_DEFAULTS, **options}
+        if int(osqp.__version__.split(".")[0]) < 1:
+            settings["polish"] = settings.pop("polishing")
+        solver = osqp.OSQP()
+        solver.setup(
+            P=sparse.identity(rows.size, format="csc"),
+            q=-target,
+            A=rows.sparse(which).tocsc(),
+            l=np.full(which.shape[0], -np.inf),
+            u=rows.bound.take(which),
+            verbose=False,
+            **settings,
+        )
+        result = solver.solve()
+        if result.info.status != "solved":
+            return None
+        return polish(rows, which, target, np.asarray(result.x), np.asarray(result.y))

@@ -17,19 +17,13 @@ import weakref
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 from numpy.lib import format as npy
 
+from barrier_certificates.file_lock import try_lock
 from posflock_robotarium.flocking.errors import LogError, OutputError
-
-locks: ModuleType | None
-try:
-    import fcntl as locks
-except ImportError:  # Windows lets nobody replace a file that is open
-    locks = None
 
 #: Rows that are written at once where a file is made or grows.
 _CHUNK = 1024
@@ -131,7 +125,7 @@ class RowFile:
             try:
                 self._write(0, self._header(self._room))
                 self._write_unreached(0, self._room)
-                _lock(self._file)
+                try_lock(self._file)
                 self.path.with_suffix(".json").unlink(missing_ok=True)
                 os.replace(draft, self.path)
             except BaseException:
@@ -210,18 +204,6 @@ if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_leave_to_parent)
 
 
-def _lock(file: int) -> bool:
-    """Lock a file for this process; False where another has it. Not every disk knows locks."""
-    if locks is not None:
-        try:
-            locks.flock(file, locks.LOCK_EX | locks.LOCK_NB)
-        except BlockingIOError:
-            return False
-        except OSError:
-            pass
-    return True
-
-
 @contextmanager
 def _claimed(path: Path) -> Iterator[None]:
     """Hold the lock of an earlier run's file, so that nobody else replaces it meanwhile."""
@@ -231,7 +213,7 @@ def _claimed(path: Path) -> Iterator[None]:
         yield
         return
     try:
-        if not _lock(file):
+        if not try_lock(file):
             raise OutputError(
                 f"cannot write {path}: another run is writing it; choose another folder, or wait"
                 " until it has ended"

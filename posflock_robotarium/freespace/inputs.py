@@ -6,7 +6,9 @@ list of the pairs in reach; both compute the same.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Callable
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +32,28 @@ Floats = NDArray[np.float64]
 OwnLaw = Callable[[Sensed, LawParameters], Floats]
 
 
-class OwnInput:
+class Input(Protocol):
+    """What the agents of a batch of flocks ask for at any time."""
+
+    @abstractmethod
+    def __call__(self, positions: Floats, velocities: Floats, time: float) -> Floats:
+        """Return the inputs of a batch of flocks, before saturation.
+
+        Parameters
+        ----------
+        positions, velocities : (B, d, n) array
+            True states, m and m/s.
+        time : float
+            Time since the start, s.
+
+        Returns
+        -------
+        (B, d, n) array
+            Inputs, m/s².
+        """
+
+
+class OwnInput(Input):
     """A user's input, which must be finite and have the shape of the states.
 
     Parameters
@@ -48,20 +71,6 @@ class OwnInput:
         self._first: Floats | None = None
 
     def __call__(self, positions: Floats, velocities: Floats, time: float) -> Floats:
-        """Return the inputs of a batch of flocks, before saturation.
-
-        Parameters
-        ----------
-        positions, velocities : (B, d, n) array
-            True states, m and m/s.
-        time : float
-            Time since the start, s.
-
-        Returns
-        -------
-        (B, d, n) array
-            Inputs, m/s².
-        """
         p, v = self._sensors.read(positions, velocities)
         if self._first is None:
             self._first = p
@@ -69,7 +78,7 @@ class OwnInput:
         return check_states(self._own_law(sensed, self._law), "input of the own law", like=p)
 
 
-class DenseInput:
+class DenseInput(Input):
     """The input of a model from all n² pairs; the imprint is taken from what is sensed first.
 
     Parameters
@@ -92,20 +101,6 @@ class DenseInput:
         self._imprint: Floats | None = None
 
     def __call__(self, positions: Floats, velocities: Floats, time: float) -> Floats:
-        """Return the inputs of a batch of flocks, before saturation.
-
-        Parameters
-        ----------
-        positions, velocities : (B, d, n) array
-            True states, m and m/s.
-        time : float
-            Time since the start, s.
-
-        Returns
-        -------
-        (B, d, n) array
-            Inputs, m/s².
-        """
         p, v = self._sensors.read(positions, velocities)
         if self._imprint is None:
             self._imprint = displacements(p)
@@ -117,7 +112,7 @@ class DenseInput:
         )
 
 
-class TreeInput:
+class TreeInput(Input):
     """The same from a list of the pairs in reach, flock by flock.
 
     Parameters
@@ -140,20 +135,6 @@ class TreeInput:
         self._first: Floats | None = None
 
     def __call__(self, positions: Floats, velocities: Floats, time: float) -> Floats:
-        """Return the inputs of a batch of flocks, before saturation.
-
-        Parameters
-        ----------
-        positions, velocities : (B, d, n) array
-            True states, m and m/s.
-        time : float
-            Time since the start, s.
-
-        Returns
-        -------
-        (B, d, n) array
-            Inputs, m/s².
-        """
         p, v = self._sensors.read(positions, velocities)
         if self._first is None:
             self._first = p

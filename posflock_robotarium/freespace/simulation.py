@@ -23,7 +23,7 @@ that a run is the same, bit for bit, alone and in a batch.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from enum import Enum
 from typing import Any
@@ -38,7 +38,7 @@ from posflock_robotarium.flocking.law import (
     LawParameters,
     saturate,
 )
-from posflock_robotarium.freespace.inputs import DenseInput, OwnInput, OwnLaw, TreeInput
+from posflock_robotarium.freespace.inputs import DenseInput, Input, OwnInput, OwnLaw, TreeInput
 from posflock_robotarium.freespace.neighbour_search import TREE_FROM_AGENTS
 from posflock_robotarium.freespace.sensing import Sensing, Sensors
 
@@ -336,7 +336,7 @@ def _simulate(scenario: FreeSpace, generators: Sequence[np.random.Generator]) ->
     )
 
 
-def _law(scenario: FreeSpace, sensors: Sensors) -> Callable[[Floats, Floats, float], Floats]:
+def _law(scenario: FreeSpace, sensors: Sensors) -> Input:
     if scenario.own_law is not None:
         return OwnInput(scenario.own_law, scenario.law, sensors)
     kind = TreeInput if scenario.agents >= TREE_FROM_AGENTS else DenseInput

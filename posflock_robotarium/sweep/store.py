@@ -31,6 +31,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+from barrier_certificates.file_lock import try_lock
 from posflock_robotarium.flocking.errors import OutputError, PosflockError
 
 Row = dict[str, Any]
@@ -88,7 +89,10 @@ class Store:
         except OSError as error:
             raise OutputError(f"cannot write into {folder}: {error.strerror}") from error
         try:
-            _lock(self._lock, folder)
+            if not try_lock(self._lock):
+                raise StoreError(
+                    f"another sweep is writing to {folder}; wait for it, or give another --out"
+                )
             for segment in sorted(folder.glob("rows-*.jsonl")):
                 self._read(segment)
         except BaseException:
@@ -192,17 +196,3 @@ def _write_all(file: int, block: bytes) -> None:
     rest = memoryview(block)
     while rest:
         rest = rest[os.write(file, rest) :]
-
-
-def _lock(file: int, folder: Path) -> None:
-    """Keep the store for this process, as long as it lives."""
-    try:
-        import fcntl
-    except ImportError:  # not on Windows, where two sweeps of one store go unnoticed
-        return
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError as error:
-        raise StoreError(
-            f"another sweep is writing to {folder}; wait for it, or give another --out"
-        ) from error

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import get_args
 
 from rps_compat.arena import Arena
+from rps_compat.recording import RecordWriter
 from rps_compat.violations import Event, Kind, Violations
 
 # Steps, seconds of a step, counters, fastest wheel, number of faults, whether the run is over; then
@@ -72,7 +73,7 @@ class Instance:
         (room / f"{self.name}.instance").write_text(json.dumps(asdict(self)), "utf-8")
 
 
-class InstanceRecord:
+class InstanceRecord(RecordWriter):
     """Writes the record of one instance.
 
     Parameters
@@ -90,24 +91,12 @@ class InstanceRecord:
         self._counted: tuple[int, ...] = ()
         self._places: dict[int, int] = {}
 
-    def update(self, arena: Arena) -> None:
-        """Take note of the step that the arena is about to do, and of what is wrong before it.
-
-        Parameters
-        ----------
-        arena : Arena
-            Of the instance that is recorded.
-        """
+    def update(self, arena: Arena, /) -> None:
+        """Take note of the step that the arena is about to do, and of what is wrong before it."""
         self._write(arena, arena.steps + 1)
 
-    def close(self, arena: Arena) -> None:
-        """Take note of the arena as it is, with the end of every fault.
-
-        Parameters
-        ----------
-        arena : Arena
-            Of the instance that is recorded.
-        """
+    def close(self, arena: Arena, /) -> None:
+        """Take note of the arena as it is, with the end of every fault."""
         self._counted = ()
         self._write(arena, arena.steps, over=True)
         self._file.close()

@@ -178,13 +178,7 @@ class Scheduler(Roster):
             self._changed()
 
     def wake(self, wait: Wait) -> None:
-        """End a wait before its deadline.
-
-        Parameters
-        ----------
-        wait : Wait
-            What a thread waits in; nothing happens where it is over.
-        """
+        """End a wait before its deadline."""
         with self.lock:
             if not wait.over:
                 wait.woken = True

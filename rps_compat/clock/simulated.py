@@ -147,15 +147,7 @@ class SimulatedClock(Scheduler):
             self._changed()
 
     def wait(self, timeout: float | None, wait: Wait | None = None) -> bool:
-        """Wait in simulated time; see :meth:`Scheduler.wait`.
-
-        Parameters
-        ----------
-        timeout : float or None
-            How long at most, s of simulated time; None for no limit.
-        wait : Wait, optional
-            What is waited for; by default nothing but the time.
-        """
+        """Wait in simulated time; see :meth:`Scheduler.wait`."""
         if not self.charge or real.get_ident() != self.stepper.ident:
             return super().wait(timeout, wait)
         self._count_computing()

@@ -118,13 +118,7 @@ class PolledWait(Wait):
             os.write(self._pipe[1], b".")
 
     def block(self, seconds: float = -1) -> None:
-        """Block until a descriptor is ready, somebody rings, or for some real time.
-
-        Parameters
-        ----------
-        seconds : float
-            How long at most, s of real time; −1 for no limit.
-        """
+        """Block until a descriptor is ready, somebody rings, or for some real time."""
         bell = self._pipe[0]
         self._watch(bell)
         try:

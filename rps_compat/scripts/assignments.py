@@ -24,15 +24,7 @@ class Binder(Evaluator):
     """Evaluates expressions, and binds what is assigned; for arguments see `Evaluator`."""
 
     def bind(self, target: ast.expr, values: Values) -> None:
-        """Let the target of an assignment stand for something.
-
-        Parameters
-        ----------
-        target : ast.expr
-            A name, attribute or item, or several in a tuple or list.
-        values : frozenset
-            What it may stand for.
-        """
+        """Let the target of an assignment stand for something."""
         if isinstance(target, ast.Name):
             self.program.values[target] |= values
             self.bind_name(target.id, values)
