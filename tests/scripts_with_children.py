@@ -1,6 +1,7 @@
 """Scripts that start processes with robots in them, and how they are run."""
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -26,15 +27,20 @@ def drive(steps, apart=0.5, speed=0.1, crash=None):
 def run(folder, text, *options, arguments=(), **files):
     """Run a script beside `common.py` by `posflock run`.
 
+    Temporary files are made in a folder of its own, so that a test can see what is left there.
     Return the ended process, the report, and what this tells of each process.
     """
-    home = folder / "home"
-    home.mkdir(exist_ok=True)
+    home, temporary = folder / "home", folder / "temporary"
+    for made in (home, temporary):
+        made.mkdir(exist_ok=True)
     for name, content in {"common": COMMON, "script": text, **files}.items():
         (home / f"{name}.py").write_text(content)
     command = [Path(sys.executable).with_name("posflock"), "run", "--headless", "--generation", "2"]
     command += ["-o", folder / "out", *options, home / "script.py", *arguments]
-    done = subprocess.run(command, cwd=home, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        command, cwd=home, env=os.environ | {"TMPDIR": str(temporary)}, capture_output=True,
+        text=True, check=False,
+    )  # fmt: skip
     data = json.loads((folder / "out" / "report.json").read_text())
     return done, data, {r["process"]: r for r in data["reports"]}
 

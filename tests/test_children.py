@@ -37,7 +37,7 @@ if __name__ == "__main__":
 
 @pytest.mark.parametrize("method", ["fork", "spawn", "forkserver"])
 def test_robots_in_pools(tmp_path, method):
-    done, data, _ = run(tmp_path, "--seed", "1", arguments=[method])
+    done, data, _ = run(tmp_path, POOLS, "--seed", "1", arguments=[method])
     assert done.returncode == 0, done.stderr
     steps = [(r["process"][:8], r["steps"]) for r in data["reports"]]
     assert steps == [("", 3), ("process-", 5), ("process-", 6), ("process-", 7)]
@@ -55,7 +55,7 @@ def test_robots_in_pools(tmp_path, method):
     assert all(line.endswith(f" {main} rps_compat.v2.robotarium") for line in lines)
     drawn = [float(line.split()[0]) % 1 for line in lines]
     assert len(set(drawn)) == 3, "every process and every task has numbers of its own"
-    again, _, _ = run(tmp_path, "--seed", "1", arguments=[method])
+    again, _, _ = run(tmp_path, POOLS, "--seed", "1", arguments=[method])
     # Which of two processes a pool gives its task to is its own affair; an executor has one here.
     assert again.stdout.splitlines()[1:3] == lines[1:3]
     assert "Robotarium 2 (process-" in done.stdout
