@@ -36,9 +36,10 @@ ROOT = Path(__file__).resolve().parents[1]
 #: The tests whose outcome a last bit could touch.
 NUMBERS = (
     "ties", "flock_ties", "golden", "barrier_golden", "barrier_projection", "barrier_rows",
-    "barrier_safety", "rps_kinematics", "rps_controllers", "rps_certificates",
-    "rps_graphs_and_places", "robotarium_faces", "arena", "realism", "law", "metrics", "flock",
-    "freespace", "pose_filter", "placement", "poselog", "onboard", "report_estimators",
+    "barrier_safety", "barrier_unsafe", "barrier_parameters", "rps_kinematics", "rps_controllers",
+    "rps_certificates", "rps_certificates_optimal", "rps_graphs_and_places",
+    "robotarium_faces", "arena", "realism", "law", "metrics", "flock", "freespace",
+    "pose_filter", "placement", "poselog", "onboard", "report_estimators",
 )  # fmt: skip
 
 #: What OpenBLAS can be told to take a processor for, from the oldest on.

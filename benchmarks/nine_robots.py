@@ -131,13 +131,8 @@ def plain_cost(folder: Path) -> float:
     return steps + cpu_with_children(lambda: subprocess.run(command, check=True))
 
 
-def main() -> int:
-    """Measure, print, and return 1 where a requirement is missed."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seeds", type=int, default=20)
-    seeds = parser.parse_args().seeds
-    table = Table()
-
+def judge_ideal(table: Table, seeds: int) -> None:
+    """Hold the experiment in the ideal arena against its table."""
     ideal = study(seeds)
     values = {name: np.array([getattr(s, name) for s in ideal]) for name in ideal[0].as_dict()}
     print(f"ideal arena, seeds 0-{seeds - 1}, {DURATION:g} s each")
@@ -152,6 +147,9 @@ def main() -> int:
         table.bar(name.replace("_", " "), values[name].sum(), "≤", 0)
     table.bar("fastest wheel", values["fastest_wheel"].max(), "≤", WHEEL_LIMIT + 1e-9, "rad/s")
 
+
+def judge_noisy(table: Table, seeds: int) -> None:
+    """Hold the experiment with noise on motors and tracking against its table."""
     noisy = study(seeds, noisy=True)
     gamma = np.array([s.gamma_motion for s in noisy])
     print("10 % actuation noise, 1 mm tracking noise")
@@ -162,30 +160,39 @@ def main() -> int:
         f" smallest distance {min(s.smallest_distance for s in noisy):.3f} m)"
     )
 
-    parked = study(min(seeds, 5), walls="certificate")
+
+def show_without_steering(seeds: int) -> None:
+    """Print what becomes of the paper's law where only the certificate knows of walls."""
+    parked = study(seeds, walls="certificate")
     headings = np.median([s.gamma_headings for s in parked])
     motion = np.median([s.gamma_motion for s in parked])
     print("the paper's law without steering, for comparison")
     print(f"  γ from headings {headings:.3f}, from motion {motion:.3f}: the flock parks at a wall")
 
+
+def judge_cost(table: Table, folder: Path) -> None:
+    """Hold the CPU time of steps and script against that of their references."""
     print("cost")
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        step = Times(
-            {
-                "ours": lambda: cpu(partial(drive, folder, COMPARED)),
-                "dense": lambda: cpu(partial(drive, folder, COMPARED, dense=True)),
-            }
-        )
-        script = Times(
-            {"script": lambda: script_cost(folder), "plain": lambda: plain_cost(folder)}, rounds=3
-        )
-        runs: list[list[float]] = [[], [], []]
-        for times in runs:
-            drive(folder, STEPS, times=times)
+    step = Times(
+        {
+            "ours": lambda: cpu(partial(drive, folder, COMPARED)),
+            "dense": lambda: cpu(partial(drive, folder, COMPARED, dense=True)),
+        }
+    )
+    script = Times(
+        {"script": lambda: script_cost(folder), "plain": lambda: plain_cost(folder)}, rounds=3
+    )
     table.ratio("a step with log, against dense cvxopt", step, "ours", "dense", MOST_STEP, COMPARED)
     what = "the script, against its steps and plain figures"
     table.ratio(what, script, "script", "plain", MOST_SCRIPT)
+    judge_largest_step(table, folder)
+
+
+def judge_largest_step(table: Table, folder: Path) -> None:
+    """Hold the largest step against the median one."""
+    runs: list[list[float]] = [[], [], []]
+    for times in runs:
+        drive(folder, STEPS, times=times)
     # The machine's own pauses are not ours: each step's least of three runs.
     least = np.min(runs, axis=0)
     median, largest = float(np.median(least)), float(least.max())
@@ -193,6 +200,19 @@ def main() -> int:
     table.bar(
         "largest step, against the median", largest / median, "≤", MOST_LARGEST, "×", beside=beside
     )
+
+
+def main() -> int:
+    """Measure, print, and return 1 where a requirement is missed."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", type=int, default=20)
+    seeds = parser.parse_args().seeds
+    table = Table()
+    judge_ideal(table, seeds)
+    judge_noisy(table, seeds)
+    show_without_steering(min(seeds, 5))
+    with tempfile.TemporaryDirectory() as name:
+        judge_cost(table, Path(name))
     return table.exit_code()
 
 
