@@ -33,6 +33,7 @@ from typing import Any
 
 import numpy as np
 
+from rps_compat.bounded_files import read_bounded
 from rps_compat.distributions import Curve, ProfileError, RobotDistribution
 from rps_compat.realism import EFFECTS, Profile
 
@@ -63,8 +64,11 @@ def load_profile(name: str | Path) -> Profile:
             " or give a path that ends in .toml"
         )
     try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+        text = read_bounded(path).decode("utf-8")
+    except OSError as error:
+        reason = error.strerror or error
+        raise ProfileError(f"{path}: cannot be read as a profile ({reason})") from error
+    except UnicodeDecodeError as error:
         raise ProfileError(f"{path}: cannot be read as a profile ({error})") from error
     return profile_from_toml(text, str(path))
 
@@ -102,7 +106,7 @@ def profile_from_toml(text: str, where: str = "profile") -> Profile:
 
     try:
         table = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise ProfileError(f"{where}: not valid TOML: {error}") from error
     return profile_from_dict(table, where)
 

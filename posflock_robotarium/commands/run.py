@@ -83,8 +83,9 @@ def lint(
     import json
     from dataclasses import asdict
 
-    from posflock_robotarium.flocking.errors import OutputError, ParameterError
+    from posflock_robotarium.flocking.errors import ParameterError
     from rps_compat.lint import lint_script, rewritten
+    from rps_compat.whole_files import write_whole, written_together
 
     if generation == 1:
         raise ParameterError("--generation 1: scripts are rewritten for generation 2 only")
@@ -105,9 +106,6 @@ def lint(
         if out is None:
             typer.echo(new, nl=False)
         else:
-            try:
-                out.parent.mkdir(parents=True, exist_ok=True)
-                out.write_bytes(new)
-            except OSError as error:
-                raise OutputError(f"cannot write {out}: {error.strerror or error}") from error
+            with written_together(out.parent) as draft:
+                write_whole(draft / out.name, new)
     raise typer.Exit(1 if needed else 0)

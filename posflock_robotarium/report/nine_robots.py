@@ -20,10 +20,11 @@ def report_experiment(path: Path) -> None:
     from posflock_robotarium.alignment.summary import summarise
     from posflock_robotarium.figures.experiment import draw_run
     from posflock_robotarium.logs.readers import read
+    from rps_compat.whole_files import write_whole
 
     log = read(path)
     summary = summarise(log)
-    (path.parent / "summary.json").write_text(json.dumps(summary.as_dict(), indent=1) + "\n")
+    write_whole(path.parent / "summary.json", json.dumps(summary.as_dict(), indent=1) + "\n")
     print(summary)
     for drawn in draw_run(log, path.parent):
         print(f"wrote {drawn}")

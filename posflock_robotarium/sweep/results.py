@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from posflock_robotarium.flocking.errors import OutputError
 from posflock_robotarium.sweep.store import Row, Store
 from posflock_robotarium.sweep.study import Study
+from rps_compat.whole_files import atomic_write, write_whole
 
 Floats = NDArray[np.float64]
 
@@ -154,14 +154,10 @@ def write_tables(study: Study, store: Store, folder: Path) -> list[Path]:
     paths = [folder / name for name in ("results.csv", "summary.csv", "results.parquet")]
     table = pa.Table.from_pylist(rows)
     about = {b"posflock study": json.dumps(_said(study), sort_keys=True).encode()}
-    try:
-        _replace(paths[0], _as_csv(rows).encode())
-        _replace(paths[1], _as_csv(summary(study, rows)).encode())
-        buffer = io.BytesIO()
-        parquet.write_table(table.replace_schema_metadata(about), buffer)
-        _replace(paths[2], buffer.getvalue())
-    except OSError as error:
-        raise OutputError(f"cannot write tables into {folder}: {error.strerror}") from error
+    write_whole(paths[0], _as_csv(rows))
+    write_whole(paths[1], _as_csv(summary(study, rows)))
+    with atomic_write(paths[2]) as draft:
+        parquet.write_table(table.replace_schema_metadata(about), draft)
     return paths
 
 
@@ -186,10 +182,3 @@ def _as_csv(rows: Sequence[Row]) -> str:
         writer.writeheader()
         writer.writerows(rows)
     return text.getvalue()
-
-
-def _replace(path: Path, content: bytes) -> None:
-    """Write a file so that a reader finds the old or the new one, never half of either."""
-    fresh = path.with_name(path.name + ".new")
-    fresh.write_bytes(content)
-    fresh.replace(path)

@@ -46,6 +46,7 @@ import numpy as np
 from posflock_robotarium.flocking.errors import ParameterError, PosflockError
 from posflock_robotarium.sweep.experiments import Experiment, Value, find
 from posflock_robotarium.sweep.sources import ModuleError, code_of, load
+from rps_compat.bounded_files import read_bounded
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -305,10 +306,10 @@ def read_study(path: Path) -> Study:
         the message names the file.
     """
     try:
-        said = tomllib.loads(path.read_text(encoding="utf-8"))
+        said = tomllib.loads(read_bounded(path).decode("utf-8"))
     except OSError as error:
         raise StudyError(f"cannot read {path}: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise StudyError(f"{path} is not TOML: {error}") from error
     try:
         return parse_study(said, path.parent)

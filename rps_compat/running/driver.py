@@ -40,6 +40,7 @@ from rps_compat.session import Session
 from rps_compat.surroundings import answering, headless_matplotlib
 from rps_compat.terminal import showable_output
 from rps_compat.testbed import MAX_DURATION
+from rps_compat.whole_files import write_whole
 
 #: File of a watched run's folder that tells at once what policy it violated.
 VIOLATIONS = "violations.jsonl"
@@ -334,8 +335,8 @@ def _written(outcome: Outcome, out: Path) -> Outcome:
     text, data = out / "report.txt", out / "report.json"
     outcome = replace(outcome, files=(*outcome.files, text, data))
     reports = "\n".join(report.text(outcome.generation) for report in outcome.reports)
-    text.write_text(reports, "utf-8")
-    data.write_text(json.dumps(outcome.as_dict(), indent=1) + "\n", "utf-8")
+    write_whole(text, reports)
+    write_whole(data, json.dumps(outcome.as_dict(), indent=1) + "\n")
     return outcome
 
 
