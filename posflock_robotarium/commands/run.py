@@ -1,11 +1,13 @@
 """``posflock run`` and ``posflock lint``: any Robotarium script, as it is."""
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from posflock_robotarium.commands import options
+from posflock_robotarium.commands.terminal import say
 
 
 def run(
@@ -52,10 +54,18 @@ def run(
         snapshots=snapshot_times(snapshot),
         video=video,
         recorder=open_pose_log,
-        tell=lambda note: typer.echo(f"{script}: {note}", err=True),
+        tell=lambda note: say(f"{script}: {note}", err=True),
     )
     code = run_and_tell(script, context.args, settings, as_json)
     raise typer.Exit(code)
+
+
+def _print_script(content: bytes, encoding: str) -> None:
+    """Print a script: its very bytes for a program that reads them, printable on a terminal."""
+    if sys.stdout.isatty():
+        say(content.decode(encoding).replace("\r\n", "\n"), end="")
+    else:
+        typer.echo(content, nl=False)
 
 
 def lint(
@@ -92,19 +102,19 @@ def lint(
     source, findings = lint_script(script)
     needed = any(finding.needed for finding in findings)
     if as_json:
-        typer.echo(json.dumps([asdict(finding) for finding in findings], indent=1))
+        say(json.dumps([asdict(finding) for finding in findings], indent=1))
     else:
         for finding in findings:
             left = "  [by hand]" if generation and finding.by_hand else ""
             name = script.with_name(finding.file) if finding.file else script
-            typer.echo(f"{name}:{finding.line}: {finding.message}{left}", err=bool(generation))
+            say(f"{name}:{finding.line}: {finding.message}{left}", err=bool(generation))
         if not needed:
             clean = "nothing to change for generation 2, numpy 2.2 and Python 3.10"
-            typer.echo(f"{script}: {clean}", err=bool(generation))
+            say(f"{script}: {clean}", err=bool(generation))
     if generation:
         new = rewritten(source, findings)
         if out is None:
-            typer.echo(new, nl=False)
+            _print_script(new, source.encoding)
         else:
             with written_together(out.parent) as draft:
                 write_whole(draft / out.name, new)

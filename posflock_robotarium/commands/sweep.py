@@ -2,9 +2,8 @@
 
 from pathlib import Path
 
-import typer
-
 from posflock_robotarium.commands import options
+from posflock_robotarium.commands.terminal import say
 
 
 def sweep(
@@ -44,7 +43,7 @@ def sweep(
     with Store(folder / "store") as store, executors as executor:
         there, stale = len(finished(asked, store)), of_other_code(asked, store)
         if stale:
-            typer.echo(
+            say(
                 f"{_counted(stale, 'run')} in {folder / 'store'} left out: computed before"
                 " a source was changed, kept for when it is changed back",
                 err=True,
@@ -56,12 +55,12 @@ def sweep(
         torn = store.torn
     if as_json:
         done = {"computed": computed, "found": there, "other_code": stale, "torn": torn}
-        typer.echo(json.dumps(done | {"files": list(map(str, paths))}, indent=2))
+        say(json.dumps(done | {"files": list(map(str, paths))}, indent=2))
         return
-    typer.echo(f"{_counted(computed, 'run')} computed, {there} found; written: {folder}")
+    say(f"{_counted(computed, 'run')} computed, {there} found; written: {folder}")
     if torn:
         lines = _counted(torn, "torn line")
-        typer.echo(f"{lines} in {folder / 'store'} left out and computed again")
+        say(f"{lines} in {folder / 'store'} left out and computed again")
 
 
 def _counted(number: int, noun: str) -> str:

@@ -67,7 +67,7 @@ def write_pose_log(recording: Run, path: Path) -> Path:
     OutputError
         Where the files cannot be written.
     """
-    own = ("ended", "format", "robots", "units", "versions")
+    own = ("ended", "format", "robots", "rows_digest", "units", "versions")
     known = {name: value for name, value in recording.parameters.items() if name not in own}
     samples, _, robots = recording.poses.shape
     unknown = np.full(samples, np.nan)
@@ -124,8 +124,8 @@ def _write_csv(recording: Run, path: Path) -> None:
     ]
     flat = recording.poses.transpose(0, 2, 1).reshape(len(recording.t), -1)
     with atomic_write(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
-        if recording.parameters:
-            file.write(f"# {parameters.NAME}: {parameters.to_json(recording.parameters)}\n")
+        said = parameters.to_json(recording.parameters, len(recording.t))
+        file.write(f"# {parameters.NAME}: {said}\n")
         table = csv.writer(file, lineterminator="\n")
         table.writerow(["t", *names])
         table.writerows(map(repr, row) for row in np.column_stack([recording.t, flat]).tolist())
@@ -147,8 +147,7 @@ def _write_npz(recording: Run, path: Path) -> None:
 def _description(recording: Run) -> dict[str, NDArray[Any]]:
     """Return the parameters, and what the certificate did at each step, where they are known."""
     known = {name: getattr(recording, name) for name in ("intervention", "clearance", "status")}
-    if recording.parameters:
-        known[parameters.NAME] = parameters.to_bytes(recording.parameters)
+    known[parameters.NAME] = parameters.to_bytes(recording.parameters, len(recording.t))
     return {name: values for name, values in known.items() if values is not None}
 
 

@@ -28,6 +28,7 @@ from rps_compat.process_state import hiding_notes, process_state
 from rps_compat.recording import OpenRecorder, Recording
 from rps_compat.repeatable import repeatable
 from rps_compat.report import RunReport
+from rps_compat.run_folder import REPORT_DATA, REPORT_TEXT
 from rps_compat.running.ending import End, TimeLimit, end_of
 from rps_compat.running.limits import limit_memory
 from rps_compat.running.measures import Measures
@@ -332,7 +333,7 @@ class _Run:
 
 def _written(outcome: Outcome, out: Path) -> Outcome:
     """Write the report into the folder `out`, as text and as data."""
-    text, data = out / "report.txt", out / "report.json"
+    text, data = out / REPORT_TEXT, out / REPORT_DATA
     outcome = replace(outcome, files=(*outcome.files, text, data))
     reports = "\n".join(report.text(outcome.generation) for report in outcome.reports)
     write_whole(text, reports)
