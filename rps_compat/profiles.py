@@ -39,6 +39,8 @@ from rps_compat.realism import EFFECTS, Profile
 
 #: Profiles that come with the package, mildest first.
 NAMES = ("ideal", "gritsbot_x", "harsh")
+#: Beyond this no entry of a profile means anything; in SI units, as all are.
+LARGEST = 1e6
 _KINDS = ("uniform", "normal", "robots")
 
 
@@ -187,16 +189,23 @@ def _effect(effect: str, table: Any, where: str) -> Any:
     if missing:
         raise ProfileError(f"{where}: [{effect}]: {', '.join(missing)} is missing")
     try:
-        return kind(**{key: _value(types[key], value) for key, value in table.items()})
+        return kind(**{key: _named(key, types[key], value) for key, value in table.items()})
     except ProfileError as error:
         raise ProfileError(f"{where}: [{effect}]: {error}") from error
+
+
+def _named(key: str, kind: type, value: Any) -> Any:
+    try:
+        return _value(kind, value)
+    except (ProfileError, OverflowError) as error:
+        raise ProfileError(f"{key}: {error}") from error
 
 
 def _value(kind: type, value: Any) -> Any:
     if kind is Curve:
         if not isinstance(value, list) or not all(_is_list(pair, 2) for pair in value):
             raise ProfileError(f"expected a curve [[speed, factor], …], got {value!r}")
-        return Curve(tuple((float(at), float(factor)) for at, factor in value))
+        return Curve(tuple((_number(at), _number(factor)) for at, factor in value))
     if kind is RobotDistribution:
         return _draw(value)
     return _number(value)
@@ -215,14 +224,14 @@ def _draw(value: Any) -> RobotDistribution:
     numbers = value[chosen[0]]
     if not _is_list(numbers):
         raise ProfileError(f"{chosen[0]}: expected a list of numbers, got {numbers!r}")
-    return RobotDistribution(
-        chosen[0], tuple(float(n) for n in numbers), _number(value.get("limit", float("inf")))
-    )
+    limit = {"limit": _number(value["limit"])} if "limit" in value else {}
+    return RobotDistribution(chosen[0], tuple(map(_number, numbers)), **limit)
 
 
 def _number(value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or np.isnan(value):
-        raise ProfileError(f"expected a number, got {value!r}")
+    is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    if not is_number or not abs(value) <= LARGEST:  # NaN is not either
+        raise ProfileError(f"expected a number within ±{LARGEST:g}, got {value!r:.40}")
     return float(value)
 
 

@@ -57,7 +57,7 @@ def atomic_write(path: Path) -> Iterator[Path]:
     with _told(path):
         place = Path(os.path.realpath(path))
         if place.is_dir():
-            raise IsADirectoryError(None, "it is a folder")
+            raise OutputError(f"{path}: cannot be written (it is a folder)")
         if place.exists() and not place.is_file():
             yield place
             return

@@ -35,6 +35,7 @@ from __future__ import annotations
 import hashlib
 import itertools
 import json
+import math
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -52,6 +53,10 @@ if sys.version_info >= (3, 11):
     import tomllib
 else:
     import tomli as tomllib
+
+
+#: Runs of one study: their descriptions alone take a gigabyte.
+MOST_RUNS = 1_000_000
 
 
 class StudyError(PosflockError):
@@ -157,6 +162,12 @@ class Study:
         if twice:
             raise StudyError(
                 f"{', '.join(twice)}: given in two of [parameters], [grid] and [distributions]"
+            )
+        runs = self.replications * math.prod(map(len, self.grid.values()))
+        if runs > MOST_RUNS:
+            raise StudyError(
+                f"replications: expected at most {MOST_RUNS} runs in all, got {self.replications}"
+                f" of each combination, {runs} runs"
             )
         for name, distribution in self.distributions.items():
             for value in distribution.examples():
@@ -269,8 +280,8 @@ class Distribution:
         return {self.kind: list(self.arguments)}
 
     def examples(self) -> tuple[Value, ...]:
-        """Return values of every type that may be drawn."""
-        return self.arguments if self.kind == "choice" else (0.5,)
+        """Return values of every type that may be drawn, and the least and the greatest."""
+        return self.arguments if self.kind == "choice" else (0.5, *map(float, self.arguments))
 
     def draw(self, generator: np.random.Generator) -> Value:
         """Draw one value.
