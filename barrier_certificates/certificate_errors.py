@@ -1,9 +1,13 @@
-"""The one root of all errors that a caller can mend, and what can go wrong with a certificate."""
+"""The one root of all errors that a caller can mend, and what can go wrong with a certificate.
+
+That results cannot be written is said by all three packages, and so stands here, too.
+"""
 
 __all__ = [
     "CertificateError",
     "InfeasibleError",
     "NotFiniteError",
+    "OutputError",
     "ParameterError",
     "PosflockError",
     "ShapeError",
@@ -16,6 +20,10 @@ class PosflockError(Exception):
 
     The root of all errors of this distribution: one ``except PosflockError`` catches them all.
     """
+
+
+class OutputError(PosflockError, OSError):
+    """Results cannot be written where they were asked for."""
 
 
 class CertificateError(PosflockError):

@@ -6,6 +6,7 @@ import typer
 
 from posflock_robotarium import __version__
 from posflock_robotarium.commands import bundle, calibrate, paper, report, run, sweep, verify
+from posflock_robotarium.commands.terminal import say
 from posflock_robotarium.flocking.errors import PosflockError
 
 app = typer.Typer(
@@ -62,5 +63,5 @@ def main() -> None:
     try:
         app()
     except PosflockError as error:
-        typer.echo(f"posflock: {error}", err=True)
+        say(f"posflock: {error}", err=True)
         sys.exit(2)

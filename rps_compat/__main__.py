@@ -13,6 +13,7 @@ from rps_compat.process import run_and_tell
 from rps_compat.recording import OpenRecorder
 from rps_compat.run_settings import RunSettings, snapshot_times
 from rps_compat.session import Initial
+from rps_compat.terminal import printable
 
 #: Packages offer recorders under this group; the first is used.
 RECORDERS = "rps_compat.recorders"
@@ -84,7 +85,7 @@ def main(words: Sequence[str] | None = None) -> int:
         snapshots=snapshot_times(asked.snapshot),
         video=asked.video,
         recorder=offered_recorder(),
-        tell=lambda note: print(f"note: {note}", file=sys.stderr, flush=True),
+        tell=lambda note: print(printable(f"note: {note}"), file=sys.stderr, flush=True),
     )
     return run_and_tell(asked.script, asked.arguments, settings, asked.json)
 
@@ -93,5 +94,5 @@ if __name__ == "__main__":
     try:
         sys.exit(main())
     except PosflockError as error:
-        print(f"rps_compat: {error}", file=sys.stderr)
+        print(printable(f"rps_compat: {error}"), file=sys.stderr)
         sys.exit(2)

@@ -91,6 +91,8 @@ class DeadTime(MotorEffect):
 
     def __post_init__(self) -> None:
         self.seconds.require_at_least(0.0, "dead_time.seconds")
+        longest = max(self.seconds.values) * self.by_speed.largest
+        require(longest <= 60.0, "dead_time.seconds", self.seconds.values, "at most 60 s in all")
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
         """Draw each robot's dead time; the past is standing still."""

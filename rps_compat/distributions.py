@@ -76,6 +76,8 @@ class RobotDistribution:
             require(self.values[0] <= self.values[1], "uniform", self.values, "[low, high]")
         if self.kind == "normal":
             require(self.values[1] >= 0, "normal", self.values, "[mean, sigma] with sigma ≥ 0")
+            least = self.values[1] / 100  # what lies beyond is drawn again
+            require(self.limit > least, "limit", self.limit, f"more than sigma/100, {least:g}")
         require(self.limit > 0, "limit", self.limit, "more than 0")
 
     def draw(self, robots: int, rng: np.random.Generator) -> Array:

@@ -8,6 +8,7 @@ from typing import Any
 
 from barrier_certificates.ties import reached
 from rps_compat.errors import RobotariumError
+from rps_compat.whole_files import atomic_write
 
 #: Frames per second of the run, and of the film: it plays in real time.
 FRAMES = {".mp4": 20, ".gif": 10}
@@ -65,8 +66,10 @@ class Film:
             self._snapshot(instance, self._due.pop(0))
         if reached(time, self._frame):
             if self._frame == 0.0:
+                # Left in turn: first the encoder finishes, then the film takes its name.
+                draft = self._stack.enter_context(atomic_write(self._video))
                 self._stack.enter_context(
-                    self._writer.saving(figure_of(instance), str(self._video), dpi=100)
+                    self._writer.saving(figure_of(instance), str(draft), dpi=100)
                 )
                 self.files.append(self._video)
             self._writer.grab_frame()
@@ -89,7 +92,8 @@ class Film:
     def _snapshot(self, instance: Any, time: float) -> None:
         name = "end" if math.isinf(time) else f"{time:g}s"
         path = self._folder / f"snapshot-{name}.png"
-        figure_of(instance).savefig(path)
+        with atomic_write(path) as draft:
+            figure_of(instance).savefig(draft)
         self.files.append(path)
 
 

@@ -17,6 +17,7 @@ from rps_compat.runner import run_script
 from rps_compat.running.ending import end_process, leave
 from rps_compat.running.outcome import Outcome, summary
 from rps_compat.surroundings import stdout_on_stderr
+from rps_compat.terminal import printable
 
 
 def run_and_tell(
@@ -40,7 +41,8 @@ def run_and_tell(
         stdout = around.enter_context(stdout_on_stderr()) if as_json else sys.stdout
 
         def tell(result: Outcome) -> None:
-            print(result.as_json() if as_json else summary(result), file=stdout, flush=True)
+            told = result.as_json() if as_json else summary(result)
+            print(printable(told), file=stdout, flush=True)
 
         def give_up(result: Outcome) -> NoReturn:
             tell(result)

@@ -33,11 +33,14 @@ from typing import Any
 
 import numpy as np
 
+from rps_compat.bounded_files import read_bounded
 from rps_compat.distributions import Curve, ProfileError, RobotDistribution
 from rps_compat.realism import EFFECTS, Profile
 
 #: Profiles that come with the package, mildest first.
 NAMES = ("ideal", "gritsbot_x", "harsh")
+#: Beyond this no entry of a profile means anything; in SI units, as all are.
+LARGEST = 1e6
 _KINDS = ("uniform", "normal", "robots")
 
 
@@ -63,8 +66,11 @@ def load_profile(name: str | Path) -> Profile:
             " or give a path that ends in .toml"
         )
     try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+        text = read_bounded(path).decode("utf-8")
+    except OSError as error:
+        reason = error.strerror or error
+        raise ProfileError(f"{path}: cannot be read as a profile ({reason})") from error
+    except UnicodeDecodeError as error:
         raise ProfileError(f"{path}: cannot be read as a profile ({error})") from error
     return profile_from_toml(text, str(path))
 
@@ -102,7 +108,7 @@ def profile_from_toml(text: str, where: str = "profile") -> Profile:
 
     try:
         table = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise ProfileError(f"{where}: not valid TOML: {error}") from error
     return profile_from_dict(table, where)
 
@@ -183,16 +189,23 @@ def _effect(effect: str, table: Any, where: str) -> Any:
     if missing:
         raise ProfileError(f"{where}: [{effect}]: {', '.join(missing)} is missing")
     try:
-        return kind(**{key: _value(types[key], value) for key, value in table.items()})
+        return kind(**{key: _named(key, types[key], value) for key, value in table.items()})
     except ProfileError as error:
         raise ProfileError(f"{where}: [{effect}]: {error}") from error
+
+
+def _named(key: str, kind: type, value: Any) -> Any:
+    try:
+        return _value(kind, value)
+    except (ProfileError, OverflowError) as error:
+        raise ProfileError(f"{key}: {error}") from error
 
 
 def _value(kind: type, value: Any) -> Any:
     if kind is Curve:
         if not isinstance(value, list) or not all(_is_list(pair, 2) for pair in value):
             raise ProfileError(f"expected a curve [[speed, factor], …], got {value!r}")
-        return Curve(tuple((float(at), float(factor)) for at, factor in value))
+        return Curve(tuple((_number(at), _number(factor)) for at, factor in value))
     if kind is RobotDistribution:
         return _draw(value)
     return _number(value)
@@ -211,14 +224,14 @@ def _draw(value: Any) -> RobotDistribution:
     numbers = value[chosen[0]]
     if not _is_list(numbers):
         raise ProfileError(f"{chosen[0]}: expected a list of numbers, got {numbers!r}")
-    return RobotDistribution(
-        chosen[0], tuple(float(n) for n in numbers), _number(value.get("limit", float("inf")))
-    )
+    limit = {"limit": _number(value["limit"])} if "limit" in value else {}
+    return RobotDistribution(chosen[0], tuple(map(_number, numbers)), **limit)
 
 
 def _number(value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or np.isnan(value):
-        raise ProfileError(f"expected a number, got {value!r}")
+    is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    if not is_number or not abs(value) <= LARGEST:  # NaN is not either
+        raise ProfileError(f"expected a number within ±{LARGEST:g}, got {value!r:.40}")
     return float(value)
 
 

@@ -1,13 +1,32 @@
 """The folder that a run writes into: one run at a time, so that no file is of two runs."""
 
+import contextlib
+import json
 import os
 from pathlib import Path
 
 from barrier_certificates import file_lock
+from rps_compat.bounded_files import read_bounded
 from rps_compat.errors import ScriptError
+
+#: How a run went, as text and as data: files of its folder.
+REPORT_TEXT, REPORT_DATA = "report.txt", "report.json"
 
 #: Folders that this process holds, by their file descriptors.
 _HELD: dict[Path, int] = {}
+
+
+def asked_folder(out: Path | None, script: Path) -> Path:
+    """Return where a run writes if no other run is in the way.
+
+    Parameters
+    ----------
+    out : Path or None
+        The folder that was asked for; None for ``runs/SCRIPT``.
+    script : Path
+        The script that runs.
+    """
+    return Path("runs") / script.stem if out is None else out
 
 
 def claimed_folder(out: Path | None, script: Path) -> Path:
@@ -38,11 +57,44 @@ def claimed_folder(out: Path | None, script: Path) -> Path:
                 " until it has ended"
             )
         return out
-    number, folder = 1, Path("runs") / script.stem
+    number, folder = 1, asked_folder(out, script)
     while not _claim(folder):
         number += 1
         folder = folder.with_name(f"{script.stem}-{number}")
     return folder
+
+
+def forget_report(folder: Path) -> None:
+    """Remove what an earlier run told of itself: it is not what the next one will tell.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the run; it need not be there.
+    """
+    for name in (REPORT_TEXT, REPORT_DATA):
+        with contextlib.suppress(OSError):
+            (folder / name).unlink()
+
+
+def forget_run(folder: Path) -> None:
+    """Remove all files of an earlier run, as its report lists them, and the report.
+
+    Parameters
+    ----------
+    folder : Path
+        Of both runs. What lies elsewhere stays, whatever the report says.
+    """
+    try:
+        listed = json.loads(read_bounded(folder / REPORT_DATA))["files"]
+        files = [folder / name for name in listed]
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        files = []
+    for file in files:
+        with contextlib.suppress(OSError, ValueError):
+            if file.is_file() and file.parent.resolve() == folder.resolve():
+                file.unlink()
+    forget_report(folder)
 
 
 def _claim(folder: Path) -> bool:

@@ -11,8 +11,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from rps_compat.errors import ScriptError
 from rps_compat.generations import Generation
-from rps_compat.run_folder import claimed_folder
+from rps_compat.run_folder import asked_folder, claimed_folder, forget_report, forget_run
 from rps_compat.run_settings import RunSettings
 from rps_compat.running.driver import Guests, drive
 from rps_compat.running.outcome import Outcome
@@ -51,7 +52,12 @@ def run_script(
     """
     settings = settings or RunSettings()
     script = Path(script).resolve()
-    evidence = evidence_in(script)
+    try:
+        evidence = evidence_in(script)
+    except ScriptError:
+        if settings.claims_folder:
+            forget_report(asked_folder(settings.out, script))
+        raise
     generation = settings.generation or evidence.generation
     notes = evidence.notes(generation, found=settings.generation is None)
     if settings.tell is not None:
@@ -65,7 +71,9 @@ def run_script(
         notes=tuple(notes),
     )
     if settings.claims_folder:
-        settings = replace(settings, out=claimed_folder(settings.out, script))
+        folder = claimed_folder(settings.out, script)
+        forget_run(folder)
+        settings = replace(settings, out=folder)
     return drive(_plan(script, arguments, generation, settings), guests)
 
 

@@ -1,11 +1,37 @@
-"""Output on terminals that cannot show every character."""
+"""What reaches a terminal: only characters that show something, and only those that it has."""
 
 from __future__ import annotations
 
 import contextlib
 import io
+import re
 import sys
 from collections.abc import Iterator
+
+#: What a terminal obeys instead of showing it: control characters but line end and tab, changes of
+#: direction, line ends of other alphabets, and halves of characters.
+_COMMANDS = re.compile(
+    r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]"
+)
+
+
+def printable(text: str) -> str:
+    r"""Return text in which whatever would command a terminal is written out, as ``\u001b``.
+
+    For text that is not ours: names of files, what scripts and logs say. In JSON the result means
+    the same as before.
+
+    Parameters
+    ----------
+    text : str
+        Any text; its lines stay lines.
+
+    Examples
+    --------
+    >>> printable("run \x1b[2J of Müller")
+    'run \\u001b[2J of Müller'
+    """
+    return _COMMANDS.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
 
 
 @contextlib.contextmanager

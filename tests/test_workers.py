@@ -8,17 +8,8 @@ import time
 
 import pytest
 
-from posflock_robotarium.flocking.errors import PosflockError
 from posflock_robotarium.flocking.progress import counted
 from posflock_robotarium.simulation.workers import THREAD_VARIABLES, local_pool, processors
-from posflock_robotarium.sweep.execution import WorkerError, execute, locally
-from posflock_robotarium.sweep.experiments import Experiment, register
-from posflock_robotarium.sweep.store import Store
-from posflock_robotarium.sweep.study import parse_study
-
-
-def die(experiment, runs, module=None):
-    os._exit(1)
 
 
 def test_workers_have_one_thread_and_the_caller_keeps_its_own(monkeypatch):
@@ -76,34 +67,6 @@ def test_workers_die_with_a_killed_parent(tmp_path):
     finally:
         for pid in filter(runs, workers):
             os.kill(pid, signal.SIGKILL)
-
-
-def test_a_worker_that_dies_is_an_error_that_says_what_to_do(tmp_path, monkeypatch):
-    study = parse_study(
-        {"experiment": "freespace", "replications": 1, "grid": {"persistence": [0.1, 0.2]}}
-    )
-    monkeypatch.setattr("posflock_robotarium.sweep.execution.compute", die)
-    with Store(tmp_path) as store, pytest.raises(WorkerError, match="start again"):
-        execute(study, store, locally(2))
-
-
-def test_an_error_of_one_run_reaches_the_caller_and_leaves_the_others(tmp_path):
-    class NoisyError(PosflockError):
-        pass
-
-    def picky(parameters, seeds):
-        if parameters["value"] == 2:
-            raise NoisyError("no twos")
-        return [{"value_squared": parameters["value"] ** 2} for _ in seeds]
-
-    register(Experiment("picky-for-test", "", {"value": 0}, picky, ("value_squared",)))
-    study = parse_study(
-        {"experiment": "picky-for-test", "replications": 1, "grid": {"value": [1, 2, 3]}}
-    )
-    with Store(tmp_path) as store:
-        with pytest.raises(NoisyError):
-            execute(study, store, locally(1))
-        assert [row["value_squared"] for row in store.rows.values()] == [1]
 
 
 def test_progress_tells_each_tenth_once_where_there_is_no_terminal(capsys):

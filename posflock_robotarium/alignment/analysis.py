@@ -32,12 +32,13 @@ from posflock_robotarium.alignment.measuring import curves_of, measure, numbers_
 from posflock_robotarium.alignment.metric_registry import Number
 from posflock_robotarium.alignment.options import SETTLE, AnalysisOptions, settled_samples
 from posflock_robotarium.alignment.verdicts import Verdict, verdicts_of
-from posflock_robotarium.flocking.errors import LogError, OutputError
+from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.flocking.flock import WALLS
 from posflock_robotarium.logs.readers import ReadOptions, Run, read
 from posflock_robotarium.logs.readers.numpy_archives import read_npz
 from rps_compat.testbed import RobotModel
 from rps_compat.violations import Event
+from rps_compat.whole_files import atomic_write
 
 Floats = NDArray[np.float64]
 
@@ -162,11 +163,8 @@ class Analysis:
             if values is not None:
                 arrays[name] = values
         arrays |= {f"curve_{key}": curve for key, curve in self.curves.items()}
-        try:
-            with target.open("wb") as file:
-                np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
-        except OSError as error:
-            raise OutputError(f"{target}: cannot be written ({error.strerror})") from error
+        with atomic_write(target) as draft, draft.open("wb") as file:
+            np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
         return target
 
 

@@ -333,7 +333,11 @@ def _complete(recording: Run, v: Mapping[str, float]) -> Iterator[Verdict]:
     length = f"{v['duration']:.1f} s are logged"
     if planned is not None:
         length += f" of {planned:.1f} s planned"
-    if ending is not None and ending.how is How.FINISHED:
+    if recording.doubts:
+        first, *others = recording.doubts
+        because = " ".join(f"{doubt[0].upper()}{doubt[1:]}." for doubt in others)
+        yield Verdict(question, "bad", f"No: {first}.", f"{length}. {because}".strip())
+    elif ending is not None and ending.how is How.FINISHED:
         yield Verdict(question, "good", "Yes, the run finished.", f"{length}.")
     elif ending is not None:
         killed = ending.how is How.RUNNING

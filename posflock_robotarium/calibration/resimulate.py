@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from posflock_robotarium.calibration.increments import NO_COMMANDS, time_step_of
-from posflock_robotarium.flocking.errors import LogError, OutputError
+from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.logs.run import Run
 from rps_compat.realism import Profile
+from rps_compat.whole_files import write_whole
 
 
 def read_commanded(path: Path | str) -> Run:
@@ -106,7 +107,4 @@ def write_profile(profile: Profile, path: Path) -> None:
     """
     from rps_compat.profiles import profile_to_toml
 
-    try:
-        path.write_text(profile_to_toml(profile), encoding="utf-8")
-    except OSError as error:
-        raise OutputError(f"cannot write the profile {path}: {error}") from error
+    write_whole(path, profile_to_toml(profile))

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from posflock_robotarium.commands import options
+from posflock_robotarium.commands.terminal import say
 from rps_compat.testbed import MAX_DURATION
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ def bundle(
     if json_only:
         import json
 
-        typer.echo(json.dumps(ready.as_dict(), indent=1))
+        say(json.dumps(ready.as_dict(), indent=1))
     else:
         _print_bundle(ready)
 
@@ -57,13 +58,13 @@ def _print_bundle(ready: "Bundle") -> None:
     from posflock_robotarium.verify.findings import count
 
     size = max(1, round(ready.size / 1024))
-    typer.echo(f"{count(len(ready.files), 'file')}, {size} KiB in {ready.folder}")
+    say(f"{count(len(ready.files), 'file')}, {size} KiB in {ready.folder}")
     if ready.left_out:
         names = (f"{name} ({library})" for name, library in sorted(ready.left_out.items()))
-        typer.echo(f"left out, for libraries that the testbed has not: {', '.join(names)}")
+        say(f"left out, for libraries that the testbed has not: {', '.join(names)}")
     for warning in ready.warnings:
-        typer.echo(f"warning: {warning}", err=True)
-    typer.echo(f"main file {ready.main}; what to enter is in {ready.folder / INSTRUCTIONS}")
+        say(f"warning: {warning}", err=True)
+    say(f"main file {ready.main}; what to enter is in {ready.folder / INSTRUCTIONS}")
 
 
 def rehearse(
@@ -99,14 +100,14 @@ def rehearse(
         generation=generation,
         initial=initial,
         timeout=timeout,
-        tell=None if json_only else typer.echo,
+        tell=None if json_only else say,
     )
     page = report_on(done) if report else None
     if json_only:
         import json
 
         said = done.as_dict() | {"report": None if page is None else str(page)}
-        typer.echo(json.dumps(said, indent=1))
+        say(json.dumps(said, indent=1))
     else:
         _print_rehearsal(done, page)
     raise typer.Exit(0 if done.passed else 1)
@@ -119,16 +120,16 @@ def _print_rehearsal(done: "Rehearsal", page: Path | None) -> None:
     why = f": {done.reason}" if done.reason else ""
     after = f" after {outcome.time:.1f} s" if outcome.time is not None else ""
     steps = f", {count(outcome.steps, 'step')}" if outcome.steps is not None else ""
-    typer.echo(f"{outcome.ended}{after}{steps}{why}")
+    say(f"{outcome.ended}{after}{steps}{why}")
     versions = ", ".join(f"{name} {v}" for name, v in environment.libraries.items())
-    typer.echo(f"environment: Python {environment.version}, {versions}; {done.network}")
+    say(f"environment: Python {environment.version}, {versions}; {done.network}")
     if environment.note:
-        typer.echo(f"note: {environment.note}")
+        say(f"note: {environment.note}")
     for name, found in done.files.items():
-        typer.echo(f"  {name}: {found}")
+        say(f"  {name}: {found}")
     ran = outcome.report
     if ran is not None and (not ran.clean or ran.steps_over_actuator_limits):
-        typer.echo(f"  {ran.verdict}")
+        say(f"  {ran.verdict}")
     if page is not None:
-        typer.echo(f"report: {page}")
-    typer.echo(f"what came back is in {done.folder}, with log.txt")
+        say(f"report: {page}")
+    say(f"what came back is in {done.folder}, with log.txt")

@@ -3,9 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import typer
-
 from posflock_robotarium.commands import options
+from posflock_robotarium.commands.terminal import say
 
 if TYPE_CHECKING:
     from posflock_robotarium.calibration import Calibration
@@ -47,22 +46,22 @@ def calibrate(
     if json_only:
         import json
 
-        typer.echo(json.dumps(found.as_dict(), indent=1))
+        say(json.dumps(found.as_dict(), indent=1))
         return
     _print_estimates(found)
-    typer.echo(f"wrote {out}")
+    say(f"wrote {out}")
     if resimulate is not None:
-        typer.echo(f"wrote {resimulate}; overlay them with posflock compare {log} {resimulate}")
+        say(f"wrote {resimulate}; overlay them with posflock compare {log} {resimulate}")
 
 
 def _print_estimates(found: "Calibration") -> None:
-    typer.echo(f"{'dead time':<18} {found.dead_time} s")
-    typer.echo(f"{'lag':<18} {found.lag} s")
+    say(f"{'dead time':<18} {found.dead_time} s")
+    say(f"{'lag':<18} {found.lag} s")
     for robot, (speed, turn, bias, offset) in enumerate(
         zip(found.speed_gain, found.turn_gain, found.turn_bias, found.heading_offset, strict=True)
     ):
-        typer.echo(f"robot {robot}: speed gain {speed}, turn gain {turn}")
-        typer.echo(f"         turn bias {bias} rad/s, heading offset {offset} rad")
+        say(f"robot {robot}: speed gain {speed}, turn gain {turn}")
+        say(f"         turn bias {bias} rad/s, heading offset {offset} rad")
     jitter, unexplained = found.jitter, found.disturbance
     for what, estimate, unit in (
         ("jitter, along", jitter.along, "m"),
@@ -71,4 +70,4 @@ def _print_estimates(found: "Calibration") -> None:
         ("unexplained speed", unexplained.speed, "m/s"),
         ("unexplained turn", unexplained.turn, "rad/s"),
     ):
-        typer.echo(f"{what:<18} {estimate} {unit}")
+        say(f"{what:<18} {estimate} {unit}")

@@ -248,4 +248,23 @@ StudyFolder = Annotated[
 Scheduler = Annotated[
     str | None, typer.Option(metavar="ADDRESS", help="Send the runs to this Dask scheduler.")
 ]
+ClusterAuthority = Annotated[
+    Path | None,
+    typer.Option(
+        "--tls-ca",
+        help="For tls://: certificate (PEM) of who signed the cluster's; by default what Dask's "
+        "configuration says.",
+        show_default=False,
+    ),
+]
+ClientCertificate = Annotated[
+    Path | None,
+    typer.Option("--tls-cert", help="This client's certificate (PEM).", show_default=False),
+]
+ClientKey = Annotated[
+    Path | None, typer.Option("--tls-key", help="Its private key (PEM).", show_default=False)
+]
+RetryFailed = Annotated[
+    bool, typer.Option("--retry-failed", help="Compute runs that failed once more.")
+]
 DoneAsJson = Annotated[bool, typer.Option("--json", help="Print what was done as JSON.")]

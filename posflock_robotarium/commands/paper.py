@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from posflock_robotarium.commands import options
+from posflock_robotarium.commands.terminal import say
 
 
 def reproduce(
@@ -27,7 +28,6 @@ def reproduce(
         posflock reproduce --seeds 40 --first-seed 100 -o results/other-seeds
     """
     import json
-    import sys
 
     from posflock_robotarium.flocking.progress import counted
     from posflock_robotarium.paper.reproduction import reproduce as recompute
@@ -36,11 +36,10 @@ def reproduce(
         found = recompute(out, seeds, first_seed=first_seed, workers=workers, progress=progress)
     if as_json:
         claims = [judgement.as_dict() for judgement in found.judgements]
-        json.dump(claims, sys.stdout, indent=2, ensure_ascii=False)
-        typer.echo()
+        say(json.dumps(claims, indent=2, ensure_ascii=False))
         return
     for judgement in found.judgements:
-        typer.echo(f"{judgement.verdict.value:14} {judgement.claim.id:28} {judgement.value:.3g}")
+        say(f"{judgement.verdict.value:14} {judgement.claim.id:28} {judgement.value:.3g}")
     verdicts = ", ".join(f"{count} {verdict.value}" for verdict, count in found.verdicts.items())
-    typer.echo(f"{len(found.judgements)} claims: {verdicts}")
-    typer.echo(f"written: {out}/claims.md, claims.json, tables.md, figures/")
+    say(f"{len(found.judgements)} claims: {verdicts}")
+    say(f"written: {out}/claims.md, claims.json, tables.md, figures/")

@@ -4,9 +4,8 @@ import contextlib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import typer
-
 from posflock_robotarium.commands import options
+from posflock_robotarium.commands.terminal import say
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -60,7 +59,7 @@ def report(
         _print_json(analyses)
         return
     _print_verdicts(analyses)
-    typer.echo(f"{len(written)} files in {out}; open {written[0]}")
+    say(f"{len(written)} files in {out}; open {written[0]}")
 
 
 @contextlib.contextmanager
@@ -125,17 +124,17 @@ def compare(
     if json:
         import json as writer
 
-        typer.echo(writer.dumps(comparison.summary(), indent=1, ensure_ascii=False))
+        say(writer.dumps(comparison.summary(), indent=1, ensure_ascii=False))
     else:
         from posflock_robotarium.report.tables import comparison_table
 
         for line in comparison_table(comparison):
-            typer.echo(line)
+            say(line)
     if out is not None:
         from posflock_robotarium.report.outputs import write_report
 
         written = write_report(analyses, out, labels=comparison.labels)
-        typer.echo(f"{len(written)} files in {out}; open {written[0]}", err=json)
+        say(f"{len(written)} files in {out}; open {written[0]}", err=json)
 
 
 def replay(
@@ -166,7 +165,7 @@ def replay(
     recording = read(log, _reading(layout, columns, dt, array, drop_damaged))
     with progress("filming") as told:
         write_video(recording, video, fps=fps, speed=speed, robot=recording.robot, progress=told)
-    typer.echo(f"wrote {video}")
+    say(f"wrote {video}")
 
 
 def convert(
@@ -199,9 +198,7 @@ def convert(
         raise ParameterError(f"--out {target} does not end in .{to}")
     if target.exists() and target.resolve() == log.resolve():
         raise ParameterError(f"{target} is the log itself; name another file with --out")
-    typer.echo(
-        f"wrote {write(read(log, _reading(layout, columns, dt, array, drop_damaged)), target)}"
-    )
+    say(f"wrote {write(read(log, _reading(layout, columns, dt, array, drop_damaged)), target)}")
 
 
 def _reading(
@@ -246,15 +243,15 @@ def _print_json(analyses: list["Analysis"]) -> None:
     import json
 
     summaries = [analysis.summary() for analysis in analyses]
-    typer.echo(
+    say(
         json.dumps(summaries[0] if len(summaries) == 1 else summaries, indent=1, ensure_ascii=False)
     )
 
 
 def _print_verdicts(analyses: list["Analysis"]) -> None:
     for analysis in analyses:
-        typer.echo(f"{analysis.name}")
+        say(f"{analysis.name}")
         for verdict in analysis.verdicts:
-            typer.echo(f"  {verdict.mark:8s} {verdict.question} {verdict.answer}")
+            say(f"  {verdict.mark:8s} {verdict.question} {verdict.answer}")
             if verdict.because and verdict.mark != "good":
-                typer.echo(f"           {verdict.because}")
+                say(f"           {verdict.because}")

@@ -1,11 +1,13 @@
 """``posflock run`` and ``posflock lint``: any Robotarium script, as it is."""
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from posflock_robotarium.commands import options
+from posflock_robotarium.commands.terminal import say
 
 
 def run(
@@ -52,10 +54,18 @@ def run(
         snapshots=snapshot_times(snapshot),
         video=video,
         recorder=open_pose_log,
-        tell=lambda note: typer.echo(f"{script}: {note}", err=True),
+        tell=lambda note: say(f"{script}: {note}", err=True),
     )
     code = run_and_tell(script, context.args, settings, as_json)
     raise typer.Exit(code)
+
+
+def _print_script(content: bytes, encoding: str) -> None:
+    """Print a script: its very bytes for a program that reads them, printable on a terminal."""
+    if sys.stdout.isatty():
+        say(content.decode(encoding).replace("\r\n", "\n"), end="")
+    else:
+        typer.echo(content, nl=False)
 
 
 def lint(
@@ -83,31 +93,29 @@ def lint(
     import json
     from dataclasses import asdict
 
-    from posflock_robotarium.flocking.errors import OutputError, ParameterError
+    from posflock_robotarium.flocking.errors import ParameterError
     from rps_compat.lint import lint_script, rewritten
+    from rps_compat.whole_files import write_whole, written_together
 
     if generation == 1:
         raise ParameterError("--generation 1: scripts are rewritten for generation 2 only")
     source, findings = lint_script(script)
     needed = any(finding.needed for finding in findings)
     if as_json:
-        typer.echo(json.dumps([asdict(finding) for finding in findings], indent=1))
+        say(json.dumps([asdict(finding) for finding in findings], indent=1))
     else:
         for finding in findings:
             left = "  [by hand]" if generation and finding.by_hand else ""
             name = script.with_name(finding.file) if finding.file else script
-            typer.echo(f"{name}:{finding.line}: {finding.message}{left}", err=bool(generation))
+            say(f"{name}:{finding.line}: {finding.message}{left}", err=bool(generation))
         if not needed:
             clean = "nothing to change for generation 2, numpy 2.2 and Python 3.10"
-            typer.echo(f"{script}: {clean}", err=bool(generation))
+            say(f"{script}: {clean}", err=bool(generation))
     if generation:
         new = rewritten(source, findings)
         if out is None:
-            typer.echo(new, nl=False)
+            _print_script(new, source.encoding)
         else:
-            try:
-                out.parent.mkdir(parents=True, exist_ok=True)
-                out.write_bytes(new)
-            except OSError as error:
-                raise OutputError(f"cannot write {out}: {error.strerror or error}") from error
+            with written_together(out.parent) as draft:
+                write_whole(draft / out.name, new)
     raise typer.Exit(1 if needed else 0)

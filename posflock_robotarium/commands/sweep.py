@@ -1,17 +1,29 @@
 """``posflock sweep``: many runs of one experiment, described in a file."""
 
+from contextlib import AbstractContextManager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import typer
 
 from posflock_robotarium.commands import options
+from posflock_robotarium.commands.terminal import say
+
+if TYPE_CHECKING:
+    from posflock_robotarium.sweep.cluster import Certificates
+    from posflock_robotarium.sweep.execution import Executor
+    from posflock_robotarium.sweep.store import Row
 
 
 def sweep(
     study: options.StudyFile,
     out: options.StudyFolder = None,
     workers: options.Workers = None,
+    retry_failed: options.RetryFailed = False,
     scheduler: options.Scheduler = None,
+    tls_ca: options.ClusterAuthority = None,
+    tls_cert: options.ClientCertificate = None,
+    tls_key: options.ClientKey = None,
     as_json: options.DoneAsJson = False,
 ) -> None:
     """Run a study: grids and distributions of parameters, kept in a store that survives.
@@ -19,8 +31,9 @@ def sweep(
     Started again, a sweep computes only what is missing, whatever ended it; all of it, where
     the code behind the experiment has changed.
 
-    Writes results.csv, results.parquet, summary.csv and figures/; the finished runs are in
-    store/.
+    Writes results.csv, results.parquet, summary.csv and figures/ of what is finished, whatever
+    ends it; the finished runs are in store/. Exit code 0; 1 where runs failed, whose errors are in
+    the tables; 2 where the study, its store or its cluster cannot be used.
 
     [bold]Examples[/bold]
 
@@ -28,11 +41,9 @@ def sweep(
 
         posflock sweep experiments/studies/noise.toml --scheduler tcp://10.0.0.1:8786
     """
-    import json
-    from contextlib import nullcontext
-
     from posflock_robotarium.flocking.progress import counted
-    from posflock_robotarium.sweep.execution import execute, locally, on_cluster
+    from posflock_robotarium.sweep.cluster import Certificates
+    from posflock_robotarium.sweep.execution import execute
     from posflock_robotarium.sweep.results import finished, of_other_code, write_tables
     from posflock_robotarium.sweep.store import Store
     from posflock_robotarium.sweep.study import read_study
@@ -40,28 +51,67 @@ def sweep(
 
     asked = read_study(study)
     folder = out or Path("results") / study.stem
-    executors = on_cluster(scheduler) if scheduler else nullcontext(locally(workers))
-    with Store(folder / "store") as store, executors as executor:
+    executors = _executors(workers, scheduler, Certificates.of(tls_ca, tls_cert, tls_key))
+    with Store(folder / "store") as store:
         there, stale = len(finished(asked, store)), of_other_code(asked, store)
         if stale:
-            typer.echo(
+            say(
                 f"{_counted(stale, 'run')} in {folder / 'store'} left out: computed before"
                 " a source was changed, kept for when it is changed back",
                 err=True,
             )
-        with counted(f"sweeping {study.stem}") as progress:
-            computed = execute(asked, store, executor, progress)
-        paths = write_tables(asked, store, folder)
-        paths += draw_study(asked, finished(asked, store), folder / "figures")
-        torn = store.torn
+        try:
+            with executors as executor, counted(f"sweeping {study.stem}") as progress:
+                computed = execute(asked, store, executor, progress, retry_failed)
+        finally:  # whatever ended it
+            rows = finished(asked, store)
+            paths = write_tables(asked, store, folder)
+            paths += draw_study(asked, rows, folder / "figures")
+    done = {"computed": computed, "found": there, "other_code": stale, "torn": store.torn}
+    failed = _print(done, rows, folder, paths, as_json)
+    raise typer.Exit(1 if failed else 0)
+
+
+def _executors(
+    workers: int | None, scheduler: str | None, certificates: "Certificates | None"
+) -> "AbstractContextManager[Executor]":
+    """Return what computes the runs: a cluster, or processes of this machine."""
+    from contextlib import nullcontext
+
+    from posflock_robotarium.sweep.cluster import ClusterError, on_cluster
+    from posflock_robotarium.sweep.execution import in_processes
+
+    if scheduler is not None:
+        return on_cluster(scheduler, certificates=certificates)
+    if certificates is not None:
+        raise ClusterError("certificates are for a cluster: name its --scheduler tls://…")
+    return nullcontext(in_processes(workers))
+
+
+def _print(
+    done: dict[str, int], rows: "list[Row]", folder: Path, paths: list[Path], as_json: bool
+) -> int:
+    """Print what was done; return how many runs failed."""
+    import json
+
+    from posflock_robotarium.sweep.store import ERROR
+
+    errors = [row[ERROR] for row in rows if ERROR in row]
     if as_json:
-        done = {"computed": computed, "found": there, "other_code": stale, "torn": torn}
-        typer.echo(json.dumps(done | {"files": list(map(str, paths))}, indent=2))
-        return
-    typer.echo(f"{_counted(computed, 'run')} computed, {there} found; written: {folder}")
-    if torn:
-        lines = _counted(torn, "torn line")
-        typer.echo(f"{lines} in {folder / 'store'} left out and computed again")
+        told = {**done, "failed": len(errors), "files": list(map(str, paths))}
+        say(json.dumps(told, indent=2))
+        return len(errors)
+    say(f"{_counted(done['computed'], 'run')} computed, {done['found']} found; written: {folder}")
+    if done["torn"]:
+        lines = _counted(done["torn"], "torn line")
+        say(f"{lines} in {folder / 'store'} left out and computed again")
+    if errors:
+        say(
+            f"{_counted(len(errors), 'run')} failed, see {ERROR} in results.csv; the first:"
+            f" {errors[0]}; --retry-failed computes them once more",
+            err=True,
+        )
+    return len(errors)
 
 
 def _counted(number: int, noun: str) -> str:

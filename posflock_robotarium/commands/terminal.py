@@ -1,9 +1,30 @@
-"""How far a command is: a bar on a terminal, a line for every tenth elsewhere."""
+"""What commands say, and how far they are.
+
+All that a command prints goes through `say`: names of files, words of scripts and reasons in logs
+come from strangers, and none of them commands the terminal.
+"""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import typer
+
+from rps_compat.terminal import printable
+
+
+def say(text: str = "", *, err: bool = False, end: str = "\n") -> None:
+    """Print text, with what would command a terminal written out.
+
+    Parameters
+    ----------
+    text : str
+        What is said.
+    err : bool
+        To standard error.
+    end : str
+        What follows it.
+    """
+    typer.echo(printable(text) + end, nl=False, err=err)
 
 
 @contextmanager
@@ -27,6 +48,6 @@ def progress(title: str) -> Iterator[Callable[[int, int], None]]:
 
     def tell(done: int, total: int) -> None:
         if total >= 10 and done * 10 // total > (done - 1) * 10 // total:
-            typer.echo(f"{title}: {done} of {total}", err=True)
+            say(f"{title}: {done} of {total}", err=True)
 
     yield tell

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from posflock_robotarium.commands import options
+from posflock_robotarium.commands.terminal import say
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -46,7 +47,10 @@ def verify(
         posflock verify main.py --effect each
     """
     from posflock_robotarium import verify as judging
+    from posflock_robotarium.verify.pages import forget_report
 
+    if out is not None and not effect:
+        forget_report(out)
     limits = _limits(jobs, stall, timeout, memory)
     console = _console()
     with _progress(hidden=json_only or not console.is_terminal) as tell:
@@ -116,7 +120,7 @@ def _print_ablation(rows: list["Ablation"], console: "Console", as_json: bool) -
     if as_json:
         import json
 
-        typer.echo(json.dumps([asdict(row) for row in rows], indent=1))
+        say(json.dumps([asdict(row) for row in rows], indent=1))
         return
     from posflock_robotarium.verify.terminal import print_ablation
 
@@ -132,11 +136,11 @@ def _print_report(report: "Report", out: Path | None, console: "Console", as_jso
     if as_json:
         import json
 
-        typer.echo(json.dumps(report.as_dict(), indent=1))
+        say(json.dumps(report.as_dict(), indent=1))
         return
     print_report(report, console)
     for path in written:
-        console.print(f"wrote {path}", highlight=False)
+        say(f"wrote {path}")
 
 
 def profile(
@@ -153,4 +157,4 @@ def profile(
     from rps_compat.profiles import load_profile, profile_text
 
     load_profile(name)
-    typer.echo(profile_text(name), nl=False)
+    say(profile_text(name), end="")

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
-from posflock_robotarium.flocking.errors import OutputError
+from rps_compat.whole_files import written_together
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -74,14 +74,11 @@ def save(figure: Figure, folder: Path, name: str) -> list[Path]:
         Where the files cannot be written.
     """
     paths = [folder / f"{name}.png", folder / f"{name}.pdf"]
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        # No dates inside: the same run gives the same bytes.
-        figure.savefig(paths[0], dpi=200, metadata={"Software": None})
+    # No dates inside: the same run gives the same bytes.
+    with written_together(folder) as draft:
+        figure.savefig(draft / paths[0].name, dpi=200, metadata={"Software": None})
         figure.set_layout_engine("none")  # laid out once, and the same in both
-        figure.savefig(paths[1], metadata={"CreationDate": None, "Producer": None})
-    except OSError as error:
-        raise OutputError(f"cannot write figures into {folder}: {error.strerror}") from error
+        figure.savefig(draft / paths[1].name, metadata={"CreationDate": None, "Producer": None})
     return paths
 
 

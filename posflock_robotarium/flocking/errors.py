@@ -1,16 +1,12 @@
 """The errors a user can make, all under the one root of this distribution."""
 
-from barrier_certificates.certificate_errors import PosflockError
+from barrier_certificates.certificate_errors import OutputError, PosflockError
 
 __all__ = ["LogError", "OutputError", "ParameterError", "PosflockError"]
 
 
 class ParameterError(PosflockError, ValueError):
     """A parameter, array or option is outside what the model admits."""
-
-
-class OutputError(PosflockError, OSError):
-    """Results cannot be written where they were asked for."""
 
 
 class LogError(PosflockError):

@@ -5,7 +5,8 @@ which is in the operating system's hands the moment it is appended: a process ki
 has lost nothing before that step, and a disk that fills up costs no row that is finished (see
 `row_file`).  Of a run that was killed, rows not reached are NaN in every number; otherwise they
 are cut off.  ``NAME.json`` says everything needed to understand or repeat the run: parameters,
-seed, versions, and how it ended.
+seed, versions, and how it ended with how many rows; a digest of these tells a reader whether both
+files are of one run.
 
 Any program that reads NumPy files reads the log, ``numpy.load("NAME.npy")``; pickles are
 never needed.  This module needs numpy alone, because it goes to the testbed.
@@ -218,6 +219,7 @@ class PoseLog:
             with self._told("the rows that were appended are kept"):
                 self._file.finish()
                 self.path, self.sidecar = log_paths(self._file.path)
+                self._metadata["rows_digest"] = self._file.digest()
                 self._describe(how, reason)
         finally:
             self._file.close()

@@ -69,6 +69,10 @@ _LABELS = {
 }
 
 
+#: Agents, steps and recorded coordinates of a flock beyond which nobody waits for its end.
+MOST_AGENTS, MOST_STEPS, MOST_RECORDED = 100_000, 10**8, 10**9
+
+
 @dataclass(frozen=True)
 class FreeSpace:
     """A simulation without walls; the defaults are the paper's.
@@ -127,8 +131,10 @@ class FreeSpace:
             raise ParameterError(f"model: expected one of {names}, got {self.model!r}") from None
         if self.dimensions not in (2, 3):
             raise ParameterError(f"dimensions: expected 2 or 3, got {self.dimensions!r}")
-        if not isinstance(self.agents, (int, np.integer)) or self.agents < 2:
-            raise ParameterError(f"agents: expected a whole number from 2, got {self.agents!r}")
+        if not isinstance(self.agents, (int, np.integer)) or not 2 <= self.agents <= MOST_AGENTS:
+            raise ParameterError(
+                f"agents: expected a whole number from 2 to {MOST_AGENTS}, got {self.agents!r}"
+            )
         for name in ("side", "duration", "time_step", "record_interval"):
             value = getattr(self, name)
             if not (np.isfinite(value) and value > 0.0):
@@ -148,6 +154,21 @@ class FreeSpace:
                 f" got {self.record_interval!r}"
             )
         self.law.agents_must_be(self.agents)
+        self._require_affordable()
+
+    def _require_affordable(self) -> None:
+        """Refuse what no machine has the time or the memory for: a slip of the pen."""
+        steps, records = self.duration / self.time_step, self.duration / self.record_interval
+        if steps > MOST_STEPS:
+            raise ParameterError(
+                f"duration: expected at most {MOST_STEPS} steps, got {steps:.3g} of"
+                f" {self.time_step} s"
+            )
+        if records * self.agents * self.dimensions > MOST_RECORDED:
+            raise ParameterError(
+                f"record_interval: {records:.3g} states of {self.agents} agents are more than fit"
+                f" into memory; expected at most {MOST_RECORDED} coordinates"
+            )
 
     @property
     def steps(self) -> int:

@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from posflock_robotarium.flocking.errors import OutputError, ParameterError
+from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.pose_log import PoseLog
 from posflock_robotarium.logs.foxglove import write_mcap
 from posflock_robotarium.logs.readers import Run, named_arrays, parameters
+from rps_compat.whole_files import atomic_write
 
 Floats = NDArray[np.float64]
 
@@ -47,10 +48,7 @@ def convert(recording: Run, path: Path) -> Path:
     writer = WRITERS.get(path.suffix.lower().lstrip("."))
     if writer is None:
         raise ParameterError(f"{path}: expected an ending among {', '.join(WRITERS)}")
-    try:
-        writer(recording, path)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written ({error.strerror or error})") from error
+    writer(recording, path)
     return path
 
 
@@ -69,7 +67,7 @@ def write_pose_log(recording: Run, path: Path) -> Path:
     OutputError
         Where the files cannot be written.
     """
-    own = ("ended", "format", "robots", "units", "versions")
+    own = ("ended", "format", "robots", "rows_digest", "units", "versions")
     known = {name: value for name, value in recording.parameters.items() if name not in own}
     samples, _, robots = recording.poses.shape
     unknown = np.full(samples, np.nan)
@@ -115,7 +113,8 @@ def _write_mat(recording: Run, path: Path) -> None:
         variables["status"] = named_arrays.codes_of(variables["status"])
     if recording.commands is not None:
         variables["command"] = recording.commands.transpose(1, 2, 0)
-    savemat(path, variables, do_compression=True)
+    with atomic_write(path) as draft:
+        savemat(draft, variables, do_compression=True)
 
 
 def _write_csv(recording: Run, path: Path) -> None:
@@ -124,9 +123,9 @@ def _write_csv(recording: Run, path: Path) -> None:
         f"{state}{robot + 1}" for robot in range(recording.robots) for state in ("x", "y", "theta")
     ]
     flat = recording.poses.transpose(0, 2, 1).reshape(len(recording.t), -1)
-    with path.open("w", newline="", encoding="utf-8") as file:
-        if recording.parameters:
-            file.write(f"# {parameters.NAME}: {parameters.to_json(recording.parameters)}\n")
+    with atomic_write(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
+        said = parameters.to_json(recording.parameters, len(recording.t))
+        file.write(f"# {parameters.NAME}: {said}\n")
         table = csv.writer(file, lineterminator="\n")
         table.writerow(["t", *names])
         table.writerows(map(repr, row) for row in np.column_stack([recording.t, flat]).tolist())
@@ -141,15 +140,14 @@ def _write_npz(recording: Run, path: Path) -> None:
     }
     if recording.commands is not None:
         arrays["command"] = recording.commands
-    with path.open("wb") as file:
+    with atomic_write(path) as draft, draft.open("wb") as file:
         np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
 
 
 def _description(recording: Run) -> dict[str, NDArray[Any]]:
     """Return the parameters, and what the certificate did at each step, where they are known."""
     known = {name: getattr(recording, name) for name in ("intervention", "clearance", "status")}
-    if recording.parameters:
-        known[parameters.NAME] = parameters.to_bytes(recording.parameters)
+    known[parameters.NAME] = parameters.to_bytes(recording.parameters, len(recording.t))
     return {name: values for name, values in known.items() if values is not None}
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from posflock_robotarium.flocking.errors import OutputError
 from posflock_robotarium.logs.run import Run
 from rps_compat.testbed import ROBOT_LENGTH, ROBOT_WIDTH
+from rps_compat.whole_files import atomic_write
 
 FRAME = "arena"
 """Name of the coordinate frame."""
@@ -35,9 +36,7 @@ def write_mcap(recording: Run, path: Path) -> None:
     Raises
     ------
     OutputError
-        Where the extra ``mcap`` is not installed.
-    OSError
-        Where the file cannot be written.
+        Where the extra ``mcap`` is not installed, or the file cannot be written.
     """
     try:
         from mcap.writer import Writer
@@ -45,7 +44,7 @@ def write_mcap(recording: Run, path: Path) -> None:
         raise OutputError(
             "MCAP needs the extra: pip install 'posflock-robotarium[mcap]'"
         ) from error
-    with path.open("wb") as file:
+    with atomic_write(path) as draft, draft.open("wb") as file:
         writer: Any = Writer(file)
         writer.start(profile="", library="posflock")
         channels = {

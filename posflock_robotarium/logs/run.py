@@ -88,6 +88,26 @@ def ending_of(parameters: Mapping[str, Any]) -> Ending | None:
     return Ending(how, str(said.get("reason") or ""))
 
 
+def missing_rows(there: int, promised: int | None) -> tuple[str, ...]:
+    """Return what is to be said of rows that a file promises and does not have.
+
+    Parameters
+    ----------
+    there : int
+        Rows that were found.
+    promised : int or None
+        Rows that were written, as the file says; None where it does not.
+
+    Returns
+    -------
+    tuple of str
+        A sentence for `Run.doubts`; nothing where no row is missing.
+    """
+    if promised is None or there >= promised:
+        return ()
+    return (f"{promised - there} of {promised} rows are missing",)
+
+
 @dataclass(frozen=True)
 class Run:
     """Poses of one run over time, and all that is known about it.
@@ -117,6 +137,9 @@ class Run:
         The files that were read.
     timed : bool
         Whether the times were recorded, not counted from the step that the reader was given.
+    doubts : tuple of str
+        Why the rows cannot be all that were written, or those that were, whatever the log says of
+        how it ended; one a reason.
 
     Raises
     ------
@@ -135,6 +158,7 @@ class Run:
     notes: tuple[str, ...] = ()
     sources: tuple[str, ...] = ()
     timed: bool = True
+    doubts: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         where = self.sources[0] if self.sources else self.name

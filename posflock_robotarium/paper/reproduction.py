@@ -15,6 +15,7 @@ from posflock_robotarium.paper.claims import judge_all
 from posflock_robotarium.paper.evidence import Evidence
 from posflock_robotarium.paper.gathering import gather
 from posflock_robotarium.paper.tables import over_seeds, qualitative, varied
+from rps_compat.whole_files import write_whole
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,8 +93,7 @@ def reproduce(
     )
     judgements = judge_all(evidence)
     for name, text in _texts(evidence, judgements).items():
-        paths.append(folder / name)
-        paths[-1].write_text(text.rstrip("\n") + "\n", encoding="utf-8")
+        paths.append(write_whole(folder / name, text.rstrip("\n") + "\n"))
     paths.extend(draw_all(evidence, folder / "figures"))
     return Reproduction(evidence, judgements, paths)
 

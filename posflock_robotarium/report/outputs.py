@@ -14,9 +14,9 @@ import numpy as np
 from posflock_robotarium.alignment.analysis import Analysis
 from posflock_robotarium.alignment.catalogue import scalars
 from posflock_robotarium.alignment.comparison import Comparison, compare
-from posflock_robotarium.flocking.errors import OutputError
 from posflock_robotarium.report.page import write_page
 from posflock_robotarium.report.words import number_text
+from rps_compat.whole_files import atomic_write, write_whole, written_together
 
 
 def write_report(
@@ -50,27 +50,24 @@ def write_report(
     Raises
     ------
     OutputError
-        When the folder cannot be written.
+        When the folder cannot be written; an earlier report in it then stays as it was.
     """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"{folder}: cannot be made ({error.strerror})") from error
     comparison = compare(analyses, labels) if len(analyses) > 1 else None
-    written = [
-        write_page(analyses, folder / "report.html", comparison),
-        write_curves(analyses, folder / "metrics.csv"),
-        write_summary(analyses, comparison, folder / "summary.json"),
-    ]
-    for analysis, name in zip(analyses, _file_names(analyses), strict=True):
-        written.append(analysis.save(folder / f"{name}.analysis.npz"))
-    if latex:
-        written.append(_write(folder / "table.tex", latex_table(analyses, comparison)))
-    if figures:
-        from posflock_robotarium.report.curve_figures import draw
+    with written_together(folder) as draft:
+        written = [
+            write_page(analyses, draft / "report.html", comparison),
+            write_curves(analyses, draft / "metrics.csv"),
+            write_summary(analyses, comparison, draft / "summary.json"),
+        ]
+        for analysis, name in zip(analyses, _file_names(analyses), strict=True):
+            written.append(analysis.save(draft / f"{name}.analysis.npz"))
+        if latex:
+            written.append(write_whole(draft / "table.tex", latex_table(analyses, comparison)))
+        if figures:
+            from posflock_robotarium.report.curve_figures import draw
 
-        written += draw(analyses, folder / "figures")
-    return written
+            written += draw(analyses, draft / "figures")
+    return [folder / path.relative_to(draft) for path in written]
 
 
 def write_curves(analyses: Sequence[Analysis], path: Path) -> Path:
@@ -92,20 +89,15 @@ def write_curves(analyses: Sequence[Analysis], path: Path) -> Path:
     """
     keys = list(dict.fromkeys(key for analysis in analyses for key in analysis.curves))
     several = len(analyses) > 1
-    try:
-        with path.open("w", newline="", encoding="utf-8") as file:
-            table = csv.writer(file, lineterminator="\n")
-            table.writerow([*(["run"] if several else []), "t", *keys])
-            for analysis in analyses:
-                missing = np.full(len(analysis.recording.t), np.nan)
-                columns = [analysis.recording.t, *(analysis.curves.get(k, missing) for k in keys)]
-                prefix = [_cell(analysis.name)] if several else []
-                for row in np.stack(columns, axis=1).tolist():
-                    table.writerow(
-                        [*prefix, *("" if value != value else repr(value) for value in row)]
-                    )
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written ({error.strerror})") from error
+    with atomic_write(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow([*(["run"] if several else []), "t", *keys])
+        for analysis in analyses:
+            missing = np.full(len(analysis.recording.t), np.nan)
+            columns = [analysis.recording.t, *(analysis.curves.get(k, missing) for k in keys)]
+            prefix = [_cell(analysis.name)] if several else []
+            for row in np.stack(columns, axis=1).tolist():
+                table.writerow([*prefix, *("" if value != value else repr(value) for value in row)])
     return path
 
 
@@ -134,7 +126,8 @@ def write_summary(analyses: Sequence[Analysis], comparison: Comparison | None, p
             "runs": [analysis.summary() for analysis in analyses],
             "comparison": comparison.summary(),
         }
-    return _write(path, json.dumps(summary, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    text = json.dumps(summary, indent=1, ensure_ascii=False, allow_nan=False)
+    return write_whole(path, text + "\n")
 
 
 def latex_table(analyses: Sequence[Analysis], comparison: Comparison | None = None) -> str:
@@ -213,11 +206,3 @@ def _file_names(analyses: Sequence[Analysis]) -> list[str]:
             name, count = f"{plain}-{count}", count + 1
         names.append(name)
     return names
-
-
-def _write(path: Path, text: str) -> Path:
-    try:
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written ({error.strerror})") from error
-    return path

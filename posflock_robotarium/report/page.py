@@ -20,9 +20,10 @@ from posflock_robotarium.alignment.analysis import Analysis
 from posflock_robotarium.alignment.catalogue import Number, panels, scalars
 from posflock_robotarium.alignment.comparison import Comparison, compare
 from posflock_robotarium.alignment.verdicts import headline
-from posflock_robotarium.flocking.errors import OutputError, ParameterError
+from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.report.page_data import EVENTS_SHOWN, page_data
 from posflock_robotarium.report.words import number_text, unbroken
+from rps_compat.whole_files import write_whole
 
 
 def render(analyses: Sequence[Analysis], comparison: Comparison | None = None) -> str:
@@ -102,11 +103,7 @@ def write_page(
     OutputError
         When the file cannot be written.
     """
-    try:
-        path.write_text(render(analyses, comparison), encoding="utf-8")
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written ({error.strerror})") from error
-    return path
+    return write_whole(path, render(analyses, comparison))
 
 
 def _groups(analysis: Analysis) -> dict[str, list[Number]]:

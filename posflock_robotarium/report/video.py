@@ -21,6 +21,7 @@ from posflock_robotarium.figures.style import BLUE, GREY
 from posflock_robotarium.flocking.errors import OutputError, ParameterError
 from posflock_robotarium.logs.readers import Run
 from rps_compat.testbed import GTERNAL, ROBOT_LENGTH, ROBOT_WIDTH, RobotModel
+from rps_compat.whole_files import atomic_write
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -91,13 +92,9 @@ def write_video(
     if len(times) > LARGEST_FILM:
         raise ParameterError(f"{len(times)} frames; raise --speed or lower --fps")
     drawn = _frames(recording, times, robot, SIZE[kind])
-    try:
-        if kind == ".mp4":
-            _encode_mp4(drawn, path, rate, len(times), progress)
-        else:
-            _encode_gif(drawn, path, rate, len(times), progress)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written ({error.strerror or error})") from error
+    encode = _encode_mp4 if kind == ".mp4" else _encode_gif
+    with atomic_write(path) as draft:
+        encode(drawn, draft, rate, len(times), progress)
     return path
 
 
@@ -262,7 +259,7 @@ def _encode_mp4(
         if encoder.wait() != 0:
             complaints.seek(0)
             said = complaints.read().decode(errors="replace").strip()
-            raise OutputError(f"{path}: ffmpeg failed: {said[-500:]}")
+            raise OSError(None, f"ffmpeg failed: {said[-500:]}")
 
 
 def _encode_gif(

@@ -26,18 +26,25 @@ from typing import Any
 from posflock_robotarium.flocking.errors import OutputError
 from posflock_robotarium.submission.instructions import INSTRUCTIONS, instructions
 from posflock_robotarium.submission.manifest import (
+    LARGEST_FILE,
     MANIFEST,
-    BundleError,
     Manifest,
     read_manifest,
+)
+from posflock_robotarium.submission.upload_names import (
+    BundleError,
+    hidden_by,
+    require_upload_names,
 )
 from posflock_robotarium.verify.files import files_read
 from posflock_robotarium.verify.source import Source
 from rps_compat import testbed
+from rps_compat.bounded_files import read_bounded
 from rps_compat.scripts import import_graph, libraries
 from rps_compat.scripts.program import read_program
 from rps_compat.scripts.source import read_script
 from rps_compat.scripts.uses import uses_in
+from rps_compat.whole_files import atomic_folder, remove_drafts, write_whole
 
 _AS_PACKAGE = """\
 # Added by `posflock bundle`: this module is a package whose submodules lie beside it.
@@ -146,6 +153,7 @@ def bundle(
     files = _flat_modules(script, found)
     for path in [*_data(script, found, search), *(Path(extra) for extra in data)]:
         _add_data(files, path)
+    require_upload_names(files)
     total = sum(map(len, files.values()))
     if largest is not None and total > largest:
         raise BundleError(
@@ -297,41 +305,40 @@ def _add_data(files: dict[str, bytes], path: Path) -> None:
             f" are {' '.join(testbed.ENDINGS)}"
         )
     try:
-        content = path.read_bytes()
+        content = read_bounded(path, LARGEST_FILE)
     except OSError as error:
         raise BundleError(f"{path}: cannot be read ({error.strerror or error})") from error
+    hidden = hidden_by(path.name)
+    if hidden and path.name not in files:
+        raise BundleError(f"{path}: would lie beside the script and hide {hidden}; rename it")
     if files.setdefault(path.name, content) != content:
         raise BundleError(f"two different files would be called {path.name}; rename one of them")
 
 
 def _write(ready: Bundle) -> None:
-    folder = ready.folder
-    try:
-        _clear(folder)
-        folder.mkdir(parents=True, exist_ok=True)
+    """Build the folder beside its place, and put it there: an earlier one stays until then."""
+    _require_replaceable(ready.folder)
+    with atomic_folder(ready.folder) as folder:
         for name, content in ready.files.items():
-            (folder / name).write_bytes(content)
-        (folder / MANIFEST).write_text(ready.manifest.text(), encoding="utf-8")
-        (folder / INSTRUCTIONS).write_text(instructions(ready), encoding="utf-8")
-    except OSError as error:
-        raise OutputError(f"cannot write the bundle into {folder}: {error}") from error
+            write_whole(folder / name, content)
+        write_whole(folder / INSTRUCTIONS, instructions(ready))
+        write_whole(folder / MANIFEST, ready.manifest.text())
 
 
-def _clear(folder: Path) -> None:
-    """Remove an earlier bundle, and only that."""
+def _require_replaceable(folder: Path) -> None:
+    """Refuse a folder that holds anything but an earlier bundle."""
     if not folder.exists():
         return
+    if not folder.is_dir():
+        raise OutputError(f"{folder} is a file; choose a new folder")
+    remove_drafts(folder)
     there = {path.name for path in folder.iterdir()}
-    if not there:
-        return
-    known = {MANIFEST, INSTRUCTIONS}
+    known = {MANIFEST, INSTRUCTIONS, "__pycache__"}
     if MANIFEST in there:
         known |= set(read_manifest(folder).files)
-    strange = there - known - {"__pycache__"}
-    if strange or MANIFEST not in there:
+    strange = there if there and MANIFEST not in there else there - known
+    if strange:
         raise OutputError(
-            f"{folder} holds other files ({', '.join(sorted(strange or there)[:4])}); choose a new"
+            f"{folder} holds other files ({', '.join(sorted(strange)[:4])}); choose a new"
             " folder, or empty it"
         )
-    for name in known & there:
-        (folder / name).unlink()

@@ -14,6 +14,7 @@ from pathlib import Path
 from posflock_robotarium.flocking.errors import PosflockError
 from posflock_robotarium.submission.interpreters import installed_pythons
 from rps_compat.scripts.libraries import IMPORT_NAMES, LIBRARIES, PYTHON
+from rps_compat.whole_files import write_whole
 
 #: Always installed; heavier ones only where the bundle imports them.
 _BASE = ("numpy", "scipy", "matplotlib", "cvxopt")
@@ -115,4 +116,4 @@ def _build(base: Path, folder: Path, python: Path, pins: list[str]) -> None:
                 f"cannot build the rehearsal environment: `{' '.join(command[1:4])} …` ended with"
                 f" {last!r}; it needs the package index once"
             )
-    (folder / "ready").write_text("\n".join(pins) + "\n")
+    write_whole(folder / "ready", "\n".join(pins) + "\n")

@@ -8,20 +8,24 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from posflock_robotarium.flocking.errors import PosflockError
+from posflock_robotarium.submission.upload_names import BundleError, require_upload_names
+from rps_compat.bounded_files import read_bounded
 
+__all__ = ["MANIFEST", "BundleError", "Manifest", "check_manifest", "read_manifest"]
 #: Name of the file.
 MANIFEST = "MANIFEST"
 #: Version of its format; a later format has another number.
 SCHEMA = "posflock bundle 1"
-
-
-class BundleError(PosflockError):
-    """The script cannot be laid flat as it is; the message says why, and the way out."""
+#: Bytes that one file of an upload may have.
+LARGEST_FILE = 256 << 20
+#: A line as ``sha256sum`` writes it.
+_LINE = re.compile(r"([0-9a-f]{64})  (.+)")
 
 
 @dataclass(frozen=True)
@@ -88,26 +92,53 @@ def read_manifest(folder: Path) -> Manifest:
     Raises
     ------
     BundleError
-        Where `folder` holds no bundle, or one of another format.
+        Where `folder` holds no bundle, one of another format, or one with names that are none.
     """
     try:
-        first, *lines = (folder / MANIFEST).read_text(encoding="utf-8").splitlines() or [""]
-    except OSError as error:
+        text = read_bounded(folder / MANIFEST).decode("utf-8")
+    except FileNotFoundError as error:
         raise BundleError(
             f"{folder}: holds no {MANIFEST}; `posflock bundle SCRIPT -o {folder}` makes a bundle"
         ) from error
+    except OSError as error:
+        raise BundleError(
+            f"{folder / MANIFEST}: cannot be read ({error.strerror or error})"
+        ) from error
+    except UnicodeDecodeError as error:
+        raise BundleError(f"{folder / MANIFEST}: not UTF-8 text ({error})") from error
+    manifest = _parsed(text)
+    if manifest is None:
+        raise BundleError(
+            f"{folder}: {MANIFEST} is none of this version of posflock, or was changed; make the"
+            " bundle again in a new folder"
+        )
+    try:
+        require_upload_names(manifest.files)
+    except BundleError as error:
+        raise BundleError(f"{folder / MANIFEST}: {error}") from error
+    return manifest
+
+
+def _parsed(text: str) -> Manifest | None:
+    """Return what a manifest says; None where it is none of this format."""
+    first, *lines = text.removesuffix("\n").split("\n")
+    sums = [_LINE.fullmatch(line) for line in lines]
     try:
         head = json.loads(first.removeprefix("#"))
+        main, robots, duration = head["main"], head["robots"], head["duration"]
         known = head["schema"] == SCHEMA
-        files = {line[66:]: line[:64] for line in lines}
-        if known and head["main"] in files:
-            return Manifest(head["main"], files, head["robots"], head["duration"])
-    except (ValueError, KeyError, TypeError):
-        pass
-    raise BundleError(
-        f"{folder}: {MANIFEST} is none of this version of posflock, or was changed; make the"
-        " bundle again in a new folder"
+    except (ValueError, KeyError, TypeError, RecursionError):
+        return None
+    files = {found[2]: found[1] for found in sums if found}
+    sound = (
+        known
+        and len(files) == len(lines)
+        and isinstance(main, str)
+        and main in files
+        and (robots is None or type(robots) is int)
+        and (duration is None or (type(duration) in (int, float) and math.isfinite(duration)))
     )
+    return Manifest(main, files, robots, duration) if sound else None
 
 
 def check_manifest(folder: Path) -> Manifest:
@@ -126,9 +157,11 @@ def check_manifest(folder: Path) -> Manifest:
     manifest = read_manifest(folder)
     for name, digest in manifest.files.items():
         try:
-            content = (folder / name).read_bytes()
-        except OSError as error:
+            content = read_bounded(folder / name, LARGEST_FILE)
+        except FileNotFoundError as error:
             raise BundleError(f"{folder}: {name} is missing; make the bundle again") from error
+        except OSError as error:
+            raise BundleError(f"{folder}: {name}: {error.strerror or error}") from error
         if hashlib.sha256(content).hexdigest() != digest:
             raise BundleError(f"{folder}: {name} was changed since; make the bundle again")
     return manifest

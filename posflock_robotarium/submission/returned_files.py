@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
 
+from rps_compat.whole_files import write_whole, written_together
+
 
 class FileState(str, Enum):
     """What a file that came back is found to be."""
@@ -49,14 +51,17 @@ def bring_back(scratch: Path, out: Path, uploaded: set[str], said: str) -> list[
     said : str
         What the script printed, for ``log.txt``.
     """
-    (out / "log.txt").write_text(said, encoding="utf-8")
     back = ["log.txt"]
-    for path in sorted(scratch.rglob("*")):
-        name = str(path.relative_to(scratch))
-        if path.is_file() and name not in uploaded and "__pycache__" not in path.parts:
-            (out / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(path, out / name)
-            back.append(name)
+    with written_together(out) as draft:
+        write_whole(draft / "log.txt", said.encode(errors="replace"))
+        for path in sorted(scratch.rglob("*")):
+            name = str(path.relative_to(scratch))
+            # A link leads to a file of this machine, not of the testbed.
+            plain = path.is_file() and not path.is_symlink()
+            if plain and name not in uploaded and "__pycache__" not in path.parts:
+                (draft / name).parent.mkdir(parents=True, exist_ok=True)
+                shutil.copyfile(path, draft / name)
+                back.append(name)
     return back
 
 

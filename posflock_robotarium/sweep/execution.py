@@ -1,40 +1,84 @@
-"""Compute what a study lacks: by processes of this machine, or on a Dask cluster.
+"""Compute what a study lacks, by processes of this machine; `cluster` has others do it.
 
-Both do the same with the same function, :func:`compute`, whose result depends on nothing
+All do the same with the same function, :func:`compute`, whose result depends on nothing
 but its arguments.  Where a run is computed, in which order and in whose company therefore
-changes no number, and a worker that dies costs time only: its runs are computed again.
+changes no number, and a worker that dies costs time only: its runs are computed again, one
+by one.  A run that fails, or kills every worker that it is given to, becomes a row that
+says why, and the rest goes on.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
-from functools import partial
-from itertools import groupby, islice
+from dataclasses import dataclass
+from itertools import chain, groupby, islice
 from pathlib import Path
+from typing import Any
 
 from posflock_robotarium import __version__
 from posflock_robotarium.flocking.errors import PosflockError
 from posflock_robotarium.simulation.workers import local_pool, processors
-from posflock_robotarium.sweep.experiments import find
+from posflock_robotarium.sweep.experiments import Outcome, find
 from posflock_robotarium.sweep.sources import code_of, load
-from posflock_robotarium.sweep.store import Row, Store
+from posflock_robotarium.sweep.store import ERROR, Row, Store
 from posflock_robotarium.sweep.study import Run, Study
 
-#: What computes one batch, and what has it compute all batches, in any order.
-Job = Callable[[Sequence[Run]], list[Row]]
-Executor = Callable[[Job, Sequence[Sequence[Run]]], Iterator[list[Row]]]
+#: Letters of an error that a row keeps.
+_LONGEST_ERROR = 500
+#: What is said of a run whose worker died.
+DIED = "WorkerDied: its worker process died, of a crash, a kill or for want of memory"
 
 
 class WorkerError(PosflockError):
-    """A worker process died, or has other code than this one."""
+    """A worker has other code than this process."""
 
 
-class ClusterError(PosflockError):
-    """A Dask cluster cannot be used."""
+@dataclass(frozen=True)
+class Job:
+    """What computes the batches of a study, in whatever process.
+
+    Attributes
+    ----------
+    experiment : str
+        Name of a registered experiment.
+    module : Path or None
+        The file that registers it, where it is a user's own.
+    code : str
+        Digest of the code that this process has.
+    """
+
+    experiment: str
+    module: Path | None
+    code: str
+
+    def __call__(self, runs: Sequence[Run]) -> list[Row]:
+        """Compute one batch, see :func:`compute`.
+
+        Parameters
+        ----------
+        runs : sequence of Run
+            With one set of parameters.
+        """
+        return compute(self.experiment, runs, self.module)
+
+    def failed(self, runs: Sequence[Run], error: str) -> list[Row]:
+        """Return the rows of runs that cannot be computed.
+
+        Parameters
+        ----------
+        runs : sequence of Run
+            Which ones.
+        error : str
+            Why.
+        """
+        return [_row(self.experiment, run, {ERROR: error}, 0.0, self.code) for run in runs]
+
+
+#: What has a job compute all batches, in any order.
+Executor = Callable[[Job, Sequence[Sequence[Run]]], Iterator[list[Row]]]
 
 
 def execute(
@@ -42,6 +86,7 @@ def execute(
     store: Store,
     executor: Executor,
     progress: Callable[[int, int], None] = lambda done, all_: None,
+    retry_failed: bool = False,
 ) -> int:
     """Compute every run of a study that the store lacks, and store it.
 
@@ -52,9 +97,11 @@ def execute(
     store : Store
         What is there, and where new rows go as soon as they are finished.
     executor : Executor
-        :func:`locally`, or :func:`on_cluster`.
+        :func:`locally`, :func:`in_processes`, or :func:`cluster.on_cluster`.
     progress : function of (done, all)
         Called whenever runs are finished, with the runs of this sweep alone.
+    retry_failed : bool
+        Whether runs that failed are computed again.
 
     Returns
     -------
@@ -66,8 +113,8 @@ def execute(
     WorkerError
         Where a worker has other code than this process; nothing it computed is stored.
     """
-    missing = [run for run in study.runs() if run.key not in store.rows]
-    job = partial(compute, study.experiment.name, module=study.module)
+    missing = [run for run in study.runs() if _is_missing(store.rows.get(run.key), retry_failed)]
+    job = Job(study.experiment.name, study.module, study.code)
     done = 0
     for rows in executor(job, batches(missing, study.experiment.together)):
         _require_same_code(rows, study.code)
@@ -75,6 +122,10 @@ def execute(
         done += len(rows)
         progress(done, len(missing))
     return done
+
+
+def _is_missing(row: Row | None, retry_failed: bool) -> bool:
+    return row is None or (retry_failed and ERROR in row)
 
 
 def batches(runs: Iterable[Run], together: int) -> list[list[Run]]:
@@ -109,31 +160,70 @@ def compute(experiment: str, runs: Sequence[Run], module: Path | None = None) ->
     Returns
     -------
     list of rows
-        Everything that decides a run, then what came out, ``seconds`` of CPU time a run, and
-        the ``version`` and the digest of the ``code`` that computed it.
+        Everything that decides a run, then what came out or the error that it ended with,
+        ``seconds`` of CPU time a run, and the ``version`` and the digest of the ``code``
+        that computed it.
     """
     if module:
         load(module)
     found = find(experiment)
     code = code_of(found, module)
     started = time.process_time()
-    outcomes = found.run(runs[0].parameters, [run.stream for run in runs])
+    try:
+        outcomes = _checked(found.run(runs[0].parameters, [run.stream for run in runs]), len(runs))
+    except (Exception, SystemExit) as error:
+        if len(runs) > 1:  # one of them, perhaps: each is to have its own end
+            return [row for run in runs for row in compute(experiment, [run], module)]
+        outcomes = [{ERROR: words_of(error)}]
     seconds = (time.process_time() - started) / len(runs)
     return [
-        {
-            "key": run.key,
-            "point": run.point,
-            "replication": run.replication,
-            "experiment": experiment,
-            "study_seed": run.stream.entropy,
-            **run.parameters,
-            **outcome,
-            "seconds": round(seconds, 6),
-            "version": __version__,
-            "code": code,
-        }
+        _row(experiment, run, outcome, seconds, code)
         for run, outcome in zip(runs, outcomes, strict=True)
     ]
+
+
+def words_of(error: BaseException) -> str:
+    """Return an error as one line.
+
+    Parameters
+    ----------
+    error : BaseException
+        What was raised.
+    """
+    words = " ".join(str(error).split()) or "no reason given"
+    return f"{type(error).__name__}: {words}"[:_LONGEST_ERROR]
+
+
+def _checked(outcomes: Sequence[Outcome], expected: int) -> list[dict[str, Any]]:
+    """Return what came out of the runs, or refuse what a row cannot hold."""
+    if len(outcomes) != expected:
+        raise ValueError(f"expected {expected} outcomes, one a seed, got {len(outcomes)}")
+    found: list[dict[str, Any]] = []
+    for outcome in outcomes:
+        if not isinstance(outcome, Mapping) or ERROR in outcome:
+            raise TypeError(f"expected a dict of numbers without {ERROR!r}, got {outcome!r}")
+        numbers = {
+            str(name): value if isinstance(value, (int, float)) else float(value)
+            for name, value in outcome.items()
+        }
+        found.append(numbers)
+    return found
+
+
+def _row(experiment: str, run: Run, outcome: Mapping[str, Any], seconds: float, code: str) -> Row:
+    """Return everything that decides a run, and what came out."""
+    return {
+        "key": run.key,
+        "point": run.point,
+        "replication": run.replication,
+        "experiment": experiment,
+        "study_seed": run.stream.entropy,
+        **run.parameters,
+        **outcome,
+        "seconds": round(seconds, 6),
+        "version": __version__,
+        "code": code,
+    }
 
 
 def locally(workers: int | None = None) -> Executor:
@@ -142,77 +232,83 @@ def locally(workers: int | None = None) -> Executor:
     Parameters
     ----------
     workers : int, optional
-        One computes in this process.
+        One computes in this process, and so does whoever has one batch to compute: what
+        kills a run then kills all.
     """
     count = workers or processors()
 
     def run(job: Job, work: Sequence[Sequence[Run]]) -> Iterator[list[Row]]:
         if count == 1 or len(work) < 2:
             yield from (job(batch) for batch in work)
-            return
-        todo = iter(work)
-        with local_pool(min(count, len(work))) as pool:
-            # A few batches ahead of each worker: none waits, and a long study needs no memory.
-            pending: set[Future[list[Row]]] = set()
-            while True:
-                for batch in islice(todo, 3 * count - len(pending)):
-                    pending.add(pool.submit(job, batch))
-                if not pending:
-                    return
-                finished, pending = wait(pending, return_when=FIRST_COMPLETED)
-                try:
-                    yield from (future.result() for future in finished)
-                except BrokenProcessPool as error:
-                    raise WorkerError(
-                        "a worker process died, perhaps for want of memory; finished runs are in"
-                        " the store: start again, with fewer --workers"
-                    ) from error
+        else:
+            yield from in_processes(count)(job, work)
 
     return run
 
 
-@contextmanager
-def on_cluster(address: str, patience: float = 10.0) -> Iterator[Executor]:
-    """Connect to a Dask scheduler and give an executor that sends it the work.
+def in_processes(workers: int | None = None) -> Executor:
+    """Return an executor of so many processes, none of them this one.
 
-    Dask's workers pin BLAS to one thread by themselves, and its scheduler gives the runs of
-    a worker that died to another.
+    Where a process dies, so does the pool it is of. The runs that may have killed it are then
+    computed one after the other in a pool of one, which finds the one that does.
 
     Parameters
     ----------
-    address : str
-        Of the scheduler, such as ``tcp://10.0.0.1:8786``.
-    patience : float
-        Seconds to wait for the scheduler.
-
-    Raises
-    ------
-    ClusterError
-        Where Dask is not installed, nobody answers, or a worker has another version.
+    workers : int, optional
+        By default one for each processor.
     """
-    try:
-        from distributed import Client, as_completed
-    except ImportError as error:
-        raise ClusterError(
-            "a cluster needs Dask: pip install 'posflock-robotarium[cluster]'"
-        ) from error
-    try:
-        client = Client(address, timeout=patience, set_as_default=False)
-    except (OSError, ValueError, TimeoutError) as error:
-        raise ClusterError(f"no Dask scheduler answers at {address}: {error}") from error
+    count = workers or processors()
 
     def run(job: Job, work: Sequence[Sequence[Run]]) -> Iterator[list[Row]]:
-        futures = client.map(job, work, pure=False, retries=2, batch_size=100)
-        for future in as_completed(futures, loop=client.loop):
-            rows: list[Row] = future.result()
-            yield rows
-            future.release()
+        todo = iter(work)
+        while left := (yield from _until_a_worker_dies(job, todo, min(count, len(work) or 1))):
+            # In the order of their submission: those in work, and the one that is next.
+            yield from _one_by_one(job, left[: count + 1])
+            todo = chain(left[count + 1 :], todo)
 
-    try:
-        _require_same_version(client.run(_version))
-        yield run
-    finally:
-        client.close()
+    return run
+
+
+def _until_a_worker_dies(
+    job: Job, todo: Iterator[Sequence[Run]], count: int
+) -> Generator[list[Row], None, list[Sequence[Run]]]:
+    """Yield the rows of finished batches; return those that were begun when a worker died."""
+    with local_pool(count) as pool:
+        # A few batches ahead of each worker: none waits, and a long study needs no memory.
+        pending: dict[Future[list[Row]], Sequence[Run]] = {}
+        while True:
+            for batch in islice(todo, 3 * count - len(pending)):
+                try:
+                    pending[pool.submit(job, batch)] = batch
+                except BrokenProcessPool:
+                    return [*pending.values(), batch]
+            if not pending:
+                return []
+            for future in wait(pending, return_when=FIRST_COMPLETED).done:
+                if isinstance(future.exception(), BrokenProcessPool):
+                    return list(pending.values())
+                del pending[future]
+                yield future.result()
+
+
+def _one_by_one(job: Job, batches: Iterable[Sequence[Run]]) -> Iterator[list[Row]]:
+    """Yield the rows of batches, each computed alone; a run that kills its worker has failed."""
+    todo = list(batches)
+    while todo:
+        with local_pool(1) as pool:
+            while todo:
+                batch = todo.pop(0)
+                try:
+                    rows = pool.submit(job, batch).result()
+                except BrokenProcessPool:
+                    break
+                yield rows
+            else:
+                return
+        if len(batch) > 1:
+            todo = [[run] for run in batch] + todo
+        else:
+            yield job.failed(batch, DIED)
 
 
 def _require_same_code(rows: Sequence[Row], code: str) -> None:
@@ -221,17 +317,4 @@ def _require_same_code(rows: Sequence[Row], code: str) -> None:
             "a worker computed with other code than this process has: a source was changed during"
             " the sweep, or the workers of a cluster were started before it was. Finished runs are"
             " in the store: restart the workers and start again"
-        )
-
-
-def _version() -> str:
-    return __version__
-
-
-def _require_same_version(versions: dict[str, str]) -> None:
-    others = {worker: found for worker, found in versions.items() if found != __version__}
-    if others:
-        worker, found = next(iter(others.items()))
-        raise ClusterError(
-            f"posflock-robotarium {__version__} is expected on every worker; {worker} has {found}"
         )

@@ -93,6 +93,9 @@ class Experiment:
         return parameters
 
 
+#: Beyond this no parameter of an experiment means anything; in SI units, as all are.
+LARGEST = 1e9
+
 _EXPERIMENTS: dict[str, Experiment] = {}
 
 #: Experiments of this package, and the module that registers each.
@@ -148,7 +151,10 @@ def names() -> list[str]:
 
 def _as(kind: type, name: str, value: Any) -> Value:
     """Return a value in the type of its default; a whole number will do for a float."""
-    if kind is float and isinstance(value, (int, float)) and not isinstance(value, bool):
+    is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    if is_number and not abs(value) <= LARGEST:  # NaN is none of these either
+        raise ParameterError(f"{name}: expected a number within ±{LARGEST:g}, got {value!r:.40}")
+    if kind is float and is_number:
         return float(value)
     if kind is int and isinstance(value, float) and value.is_integer():
         return int(value)

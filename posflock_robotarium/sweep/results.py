@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from posflock_robotarium.flocking.errors import OutputError
-from posflock_robotarium.sweep.store import Row, Store
+from posflock_robotarium.sweep.store import ERROR, Row, Store
 from posflock_robotarium.sweep.study import Study
+from rps_compat.whole_files import atomic_write, write_whole
 
 Floats = NDArray[np.float64]
 
@@ -32,6 +32,8 @@ _OF_MACHINE = ("seconds",)
 
 def finished(study: Study, store: Store) -> list[Row]:
     """Return the rows of a study that are in the store, by combination and replication.
+
+    Those of runs that failed are among them, with their reason under `store.ERROR`.
 
     Parameters
     ----------
@@ -47,6 +49,17 @@ def finished(study: Study, store: Store) -> list[Row]:
         if run.key in store.rows
     ]
     return [{k: v for k, v in row.items() if k not in _OF_MACHINE} for row in rows]
+
+
+def succeeded(rows: Sequence[Row]) -> list[Row]:
+    """Return the rows of runs that did not fail.
+
+    Parameters
+    ----------
+    rows : sequence of Row
+        From :func:`finished`.
+    """
+    return [row for row in rows if ERROR not in row]
 
 
 def of_other_code(study: Study, store: Store) -> int:
@@ -77,7 +90,8 @@ def outcomes(study: Study, rows: Sequence[Row]) -> list[str]:
     """
     given = {"key", "point", "replication", "experiment", "study_seed", "version", "code"}
     given |= set(study.experiment.defaults)
-    return [name for name in (rows[0] if rows else {}) if name not in given]
+    example = next(iter(succeeded(rows)), {})
+    return [name for name in example if name not in given]
 
 
 def summary(study: Study, rows: Sequence[Row]) -> list[Row]:
@@ -97,7 +111,7 @@ def summary(study: Study, rows: Sequence[Row]) -> list[Row]:
         ``median``, ``low`` and ``high`` (95 % bootstrap interval of the median), ``q1``, ``q3``.
     """
     found: list[Row] = []
-    names = outcomes(study, rows)
+    names, rows = outcomes(study, rows), succeeded(rows)
     for point in sorted({row["point"] for row in rows}):
         of_point = [row for row in rows if row["point"] == point]
         combination = {name: of_point[0][name] for name in study.grid}
@@ -150,19 +164,21 @@ def write_tables(study: Study, store: Store, folder: Path) -> list[Path]:
     import pyarrow as pa
     from pyarrow import parquet
 
-    rows = finished(study, store)
+    rows = _of_one_form(finished(study, store))
     paths = [folder / name for name in ("results.csv", "summary.csv", "results.parquet")]
     table = pa.Table.from_pylist(rows)
     about = {b"posflock study": json.dumps(_said(study), sort_keys=True).encode()}
-    try:
-        _replace(paths[0], _as_csv(rows).encode())
-        _replace(paths[1], _as_csv(summary(study, rows)).encode())
-        buffer = io.BytesIO()
-        parquet.write_table(table.replace_schema_metadata(about), buffer)
-        _replace(paths[2], buffer.getvalue())
-    except OSError as error:
-        raise OutputError(f"cannot write tables into {folder}: {error.strerror}") from error
+    write_whole(paths[0], _as_csv(rows))
+    write_whole(paths[1], _as_csv(summary(study, finished(study, store))))
+    with atomic_write(paths[2]) as draft:
+        parquet.write_table(table.replace_schema_metadata(about), draft)
     return paths
+
+
+def _of_one_form(rows: Sequence[Row]) -> list[Row]:
+    """Return rows that all have all columns, None where a run that failed has no outcome."""
+    columns = dict.fromkeys(name for row in (*succeeded(rows), *rows) for name in row)
+    return [{name: row.get(name) for name in columns} for row in rows]
 
 
 def _said(study: Study) -> dict[str, Any]:
@@ -186,10 +202,3 @@ def _as_csv(rows: Sequence[Row]) -> str:
         writer.writeheader()
         writer.writerows(rows)
     return text.getvalue()
-
-
-def _replace(path: Path, content: bytes) -> None:
-    """Write a file so that a reader finds the old or the new one, never half of either."""
-    fresh = path.with_name(path.name + ".new")
-    fresh.write_bytes(content)
-    fresh.replace(path)

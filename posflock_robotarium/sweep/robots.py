@@ -24,15 +24,20 @@ from posflock_robotarium.sweep.experiments import (
     number,
     register,
 )
+from rps_compat.bounded_files import read_bounded
 from rps_compat.profiles import NAMES, load_profile, profile_text
 from rps_compat.realism import Profile
 
+#: More robots than fit into the arena, and a day: what is beyond is a slip of the pen.
+_MOST_ROBOTS, _LONGEST = 1000, 86_400.0
+
 
 def _flock(parameters: Parameters) -> tuple[Flock, Profile]:
-    if number(parameters, "robots") < 1 or number(parameters, "duration") <= 0.0:
+    robots, duration = number(parameters, "robots"), number(parameters, "duration")
+    if not (1 <= robots <= _MOST_ROBOTS and 0.0 < duration <= _LONGEST):
         raise ParameterError(
-            "robots from 1 and a duration above 0 s are expected; got"
-            f" {parameters['robots']} and {parameters['duration']}"
+            f"robots from 1 to {_MOST_ROBOTS} and a duration above 0 s and up to {_LONGEST:g} s are"
+            f" expected; got {parameters['robots']} and {parameters['duration']}"
         )
     flock = Flock(law_parameters(parameters), walls=str(parameters["walls"]))
     return flock, load_profile(str(parameters["profile"]))
@@ -40,7 +45,7 @@ def _flock(parameters: Parameters) -> tuple[Flock, Profile]:
 
 def _profile_text(parameters: Parameters) -> str:
     profile = str(parameters["profile"])
-    return profile_text(profile) if profile in NAMES else Path(profile).read_text("utf-8")
+    return profile_text(profile) if profile in NAMES else read_bounded(Path(profile)).decode()
 
 
 def _run_robots(parameters: Parameters, seeds: Sequence[np.random.SeedSequence]) -> list[Outcome]:

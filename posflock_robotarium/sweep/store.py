@@ -15,7 +15,9 @@ the machine loses power        rows of the last second may be lost or torn: ever
                                older has been synchronised to the disk
 a line is torn or garbled      its checksum fails, it is left out, and its run is computed
                                again; a later segment never continues a torn line
-a run is stored twice          the first counts; both are the same but for their CPU time
+a run is stored twice          the first counts; both are the same but for their CPU time.
+                               After one that failed, the next one counts
+a segment is deleted           its runs are computed again; the next segment has a new number
 two sweeps want one store      the second is refused
 =============================  =========================================================
 """
@@ -36,6 +38,9 @@ from posflock_robotarium.flocking.errors import OutputError, PosflockError
 
 Row = dict[str, Any]
 
+#: Where the row of a run that failed says why; it has no outcomes.
+ERROR = "run_error"
+
 #: Seconds of rows that a loss of power may cost.
 _SYNCHRONISE_EVERY = 1.0
 
@@ -55,7 +60,7 @@ class Store:
     Attributes
     ----------
     rows : dict of key to row
-        Every finished run.
+        Every finished run; one that failed has its reason under `ERROR`.
     torn : int
         Lines that were left out because their checksum failed.
 
@@ -123,7 +128,7 @@ class Store:
         OutputError
             Where the disk does not take them.
         """
-        new = [row for row in rows if row["key"] not in self.rows]
+        new = [row for row in rows if ERROR in self.rows.get(row["key"], (ERROR,))]
         block = b"".join(map(_line, new))
         try:
             if self._segment is None:
@@ -147,7 +152,8 @@ class Store:
 
     def _begin_segment(self) -> int:
         """Open the next free segment; the folder must know of it before rows are safe."""
-        number = len(list(self.folder.glob("rows-*.jsonl")))
+        there = [path.stem.partition("-")[2] for path in self.folder.glob("rows-*.jsonl")]
+        number = max((int(digits) for digits in there if digits.isdecimal()), default=-1) + 1
         flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND
         segment = os.open(self.folder / f"rows-{number:06d}.jsonl", flags, 0o644)
         if hasattr(os, "O_DIRECTORY"):
@@ -173,8 +179,8 @@ class Store:
             row = _row(line)
             if row is None:
                 self.torn += 1
-            else:
-                self.rows.setdefault(row["key"], row)
+            elif ERROR in self.rows.get(row["key"], (ERROR,)):
+                self.rows[row["key"]] = row
 
 
 def _line(row: Row) -> bytes:
@@ -187,8 +193,8 @@ def _row(line: bytes) -> Row | None:
     checksum, _, text = line.partition(b" ")
     if checksum != b"%08x" % zlib.crc32(text):
         return None
-    row: Row = json.loads(text)
-    return row
+    row = json.loads(text)
+    return row if isinstance(row, dict) and isinstance(row.get("key"), str) else None
 
 
 def _write_all(file: int, block: bytes) -> None:

@@ -35,6 +35,7 @@ from __future__ import annotations
 import hashlib
 import itertools
 import json
+import math
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -46,11 +47,16 @@ import numpy as np
 from posflock_robotarium.flocking.errors import ParameterError, PosflockError
 from posflock_robotarium.sweep.experiments import Experiment, Value, find
 from posflock_robotarium.sweep.sources import ModuleError, code_of, load
+from rps_compat.bounded_files import read_bounded
 
 if sys.version_info >= (3, 11):
     import tomllib
 else:
     import tomli as tomllib
+
+
+#: Runs of one study: their descriptions alone take a gigabyte.
+MOST_RUNS = 1_000_000
 
 
 class StudyError(PosflockError):
@@ -156,6 +162,12 @@ class Study:
         if twice:
             raise StudyError(
                 f"{', '.join(twice)}: given in two of [parameters], [grid] and [distributions]"
+            )
+        runs = self.replications * math.prod(map(len, self.grid.values()))
+        if runs > MOST_RUNS:
+            raise StudyError(
+                f"replications: expected at most {MOST_RUNS} runs in all, got {self.replications}"
+                f" of each combination, {runs} runs"
             )
         for name, distribution in self.distributions.items():
             for value in distribution.examples():
@@ -268,8 +280,8 @@ class Distribution:
         return {self.kind: list(self.arguments)}
 
     def examples(self) -> tuple[Value, ...]:
-        """Return values of every type that may be drawn."""
-        return self.arguments if self.kind == "choice" else (0.5,)
+        """Return values of every type that may be drawn, and the least and the greatest."""
+        return self.arguments if self.kind == "choice" else (0.5, *map(float, self.arguments))
 
     def draw(self, generator: np.random.Generator) -> Value:
         """Draw one value.
@@ -305,10 +317,10 @@ def read_study(path: Path) -> Study:
         the message names the file.
     """
     try:
-        said = tomllib.loads(path.read_text(encoding="utf-8"))
+        said = tomllib.loads(read_bounded(path).decode("utf-8"))
     except OSError as error:
         raise StudyError(f"cannot read {path}: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise StudyError(f"{path} is not TOML: {error}") from error
     try:
         return parse_study(said, path.parent)

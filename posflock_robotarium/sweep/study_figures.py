@@ -11,7 +11,7 @@ import numpy as np
 
 from posflock_robotarium.figures.look import Look
 from posflock_robotarium.figures.style import BLACK, BLUE, GREEN, ORANGE, in_style, new_figure, save
-from posflock_robotarium.sweep.results import interval, outcomes
+from posflock_robotarium.sweep.results import interval, outcomes, succeeded
 from posflock_robotarium.sweep.store import Row
 from posflock_robotarium.sweep.study import Figure as Asked
 from posflock_robotarium.sweep.study import Study, StudyError
@@ -82,8 +82,10 @@ def draw_study(study: Study, rows: Sequence[Row], folder: Path) -> list[Path]:
     OutputError
         Where the folder cannot be written.
     """
-    known = outcomes(study, rows)
-    paths = []
+    known, rows = outcomes(study, rows), succeeded(rows)
+    paths: list[Path] = []
+    if not rows:  # nothing is finished yet
+        return paths
     for asked in study.figures or _default_figures(study):
         if asked.y not in known:
             raise StudyError(f"figures: expected an outcome, one of {', '.join(known)};"
@@ -170,7 +172,7 @@ def _medians(
 def _every_run(
     axes: Axes, rows: Sequence[Row], asked: Asked, label: str | None, look: Look
 ) -> None:
-    points = np.array([(row[asked.x], row[asked.y]) for row in rows], dtype=float)
+    points = np.array([(row[asked.x], row[asked.y]) for row in rows], dtype=float).reshape(-1, 2)
     x, y = points[np.isfinite(points).all(axis=1)].T
     axes.plot(
         x,

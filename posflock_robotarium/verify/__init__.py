@@ -7,6 +7,8 @@ reasons (`judge`, `findings`).  :func:`ablate` asks which imperfection it is tha
 
 from __future__ import annotations
 
+import contextlib
+import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -19,6 +21,7 @@ from posflock_robotarium.verify.endings import FATAL
 from posflock_robotarium.verify.findings import Code, Finding, Verdict
 from posflock_robotarium.verify.report import Report, report_of
 from rps_compat import testbed
+from rps_compat.bounded_files import read_bounded
 from rps_compat.scripts.evidence import evidence_of
 
 if TYPE_CHECKING:
@@ -92,12 +95,15 @@ def verify(
 
     chosen = profile if isinstance(profile, Profile) else load_profile(profile)
     asked = _Asked(trials, chosen, generation, declared, seed, tell)
-    return _verified(Path(script), asked, tuple(search), limits, server)
+    with contextlib.suppress(OSError):  # that it cannot be read is said below
+        asked = replace(asked, sha256=hashlib.sha256(read_bounded(Path(script))).hexdigest())
+    report = _verified(Path(script), asked, tuple(search), limits, server)
+    return replace(report, sha256=asked.sha256)
 
 
 @dataclass(frozen=True)
 class _Asked:
-    """What a script is judged by, and who is told of it; see `verify`."""
+    """What a script is judged by, its sum, and who is told of it; see `verify`."""
 
     trials: int
     profile: Profile
@@ -105,6 +111,7 @@ class _Asked:
     declared: float | None
     seed: int
     tell: Callable[[str, int, int], None] | None
+    sha256: str = ""
 
     def __post_init__(self) -> None:
         if self.trials < 0:

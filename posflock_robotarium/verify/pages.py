@@ -11,9 +11,13 @@ from posflock_robotarium.flocking.errors import OutputError
 from posflock_robotarium.verify.findings import Code, count
 from posflock_robotarium.verify.terminal import figure_lines
 from rps_compat.testbed import GTERNAL
+from rps_compat.whole_files import write_whole, written_together
 
 if TYPE_CHECKING:
     from posflock_robotarium.verify import Report
+
+#: Names of the two files.
+NAMES = ("verify.json", "verify.html")
 
 #: Centres this near are a collision when robots face each other.
 _COLLISION = GTERNAL.collision_diameter + 2 * GTERNAL.collision_offset
@@ -34,16 +38,31 @@ def write_report(report: Report, folder: Path) -> list[Path]:
     OutputError
         Where that is not possible.
     """
+    data = json.dumps(report.as_dict(), indent=1, allow_nan=False) + "\n"
+    with written_together(folder) as draft:
+        for name, content in zip(NAMES, (data, html(report)), strict=True):
+            write_whole(draft / name, content)
+    return [folder / name for name in NAMES]
+
+
+def forget_report(folder: Path) -> None:
+    """Remove the report of an earlier call: its verdict is not that of the one that begins.
+
+    Parameters
+    ----------
+    folder : Path
+        Where `write_report` wrote; it need not be there.
+
+    Raises
+    ------
+    OutputError
+        Where an earlier report cannot be removed.
+    """
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        data, page = folder / "verify.json", folder / "verify.html"
-        data.write_text(
-            json.dumps(report.as_dict(), indent=1, allow_nan=False) + "\n", encoding="utf-8"
-        )
-        page.write_text(html(report), encoding="utf-8")
+        for name in NAMES:
+            (folder / name).unlink(missing_ok=True)
     except OSError as error:
-        raise OutputError(f"cannot write the report into {folder}: {error}") from error
-    return [data, page]
+        raise OutputError(f"{folder}: an earlier report cannot be removed: {error}") from error
 
 
 def html(report: Report) -> str:

@@ -40,6 +40,8 @@ class Report:
         Those with imperfections.
     declared : float, optional
         Duration that will be declared, s.
+    sha256 : str
+        Sum of the script as it was verified, as a bundle's `MANIFEST` has it; empty where unknown.
     """
 
     script: Path
@@ -50,6 +52,7 @@ class Report:
     ideal: Ran | None = None
     trials: list[Ran] = field(default_factory=list)
     declared: float | None = None
+    sha256: str = ""
 
     @property
     def exit_code(self) -> int:
@@ -69,6 +72,7 @@ class Report:
         return {
             "schema": SCHEMA,
             "script": self.script.name,
+            "sha256": self.sha256 or None,
             "verdict": self.verdict.name,
             "generation": self.generation,
             "profile": self.profile,

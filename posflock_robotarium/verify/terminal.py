@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from barrier_certificates import ties
 from posflock_robotarium.verify.findings import Code, Verdict, count
 from rps_compat import testbed
+from rps_compat.terminal import printable
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -27,17 +28,16 @@ def print_report(report: Report, console: Console) -> None:
     console : Console
         Where.
     """
-    from rich.markup import escape
     from rich.table import Table
 
     colour = _COLOURS[report.verdict]
     console.print(
-        f"[bold {colour}]{report.verdict.name}[/]  {escape(report.script.name)}"
+        f"[bold {colour}]{report.verdict.name}[/]  {_shown(report.script.name)}"
         f"  [dim]generation {report.generation}, {count(len(report.trials), 'trial')} under"
-        f" {escape(report.profile)}[/]"
+        f" {_shown(report.profile)}[/]"
     )
     for name, words in figure_lines(report):
-        console.print(f"  {name:<10} {escape(words)}", highlight=False)
+        console.print(f"  {name:<10} {_shown(words)}", highlight=False)
     if not report.findings:
         console.print("  Nothing to mend.")
         return
@@ -45,15 +45,22 @@ def print_report(report: Report, console: Console) -> None:
     for heading in ("", "what", "where", "why, and what to do"):
         table.add_column(heading, overflow="fold")
     for finding in report.findings:
-        text = escape(finding.message)
+        text = _shown(finding.message)
         if finding.advice:
-            text += f"\n[dim]→ {escape(finding.advice)}[/]"
+            text += f"\n[dim]→ {_shown(finding.advice)}[/]"
         shade = _COLOURS[finding.verdict]
         table.add_row(
-            f"[{shade}]{finding.verdict.name}[/]", finding.code.value, escape(finding.where), text
+            f"[{shade}]{finding.verdict.name}[/]", finding.code.value, _shown(finding.where), text
         )
     console.print()
     console.print(table)
+
+
+def _shown(text: str) -> str:
+    """Return text that commands neither rich nor the terminal: it may be a script's."""
+    from rich.markup import escape
+
+    return escape(printable(text))
 
 
 def figure_lines(report: Report) -> list[tuple[str, str]]:

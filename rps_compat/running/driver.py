@@ -28,6 +28,7 @@ from rps_compat.process_state import hiding_notes, process_state
 from rps_compat.recording import OpenRecorder, Recording
 from rps_compat.repeatable import repeatable
 from rps_compat.report import RunReport
+from rps_compat.run_folder import REPORT_DATA, REPORT_TEXT
 from rps_compat.running.ending import End, TimeLimit, end_of
 from rps_compat.running.limits import limit_memory
 from rps_compat.running.measures import Measures
@@ -40,6 +41,7 @@ from rps_compat.session import Session
 from rps_compat.surroundings import answering, headless_matplotlib
 from rps_compat.terminal import showable_output
 from rps_compat.testbed import MAX_DURATION
+from rps_compat.whole_files import write_whole
 
 #: File of a watched run's folder that tells at once what policy it violated.
 VIOLATIONS = "violations.jsonl"
@@ -331,11 +333,11 @@ class _Run:
 
 def _written(outcome: Outcome, out: Path) -> Outcome:
     """Write the report into the folder `out`, as text and as data."""
-    text, data = out / "report.txt", out / "report.json"
+    text, data = out / REPORT_TEXT, out / REPORT_DATA
     outcome = replace(outcome, files=(*outcome.files, text, data))
     reports = "\n".join(report.text(outcome.generation) for report in outcome.reports)
-    text.write_text(reports, "utf-8")
-    data.write_text(json.dumps(outcome.as_dict(), indent=1) + "\n", "utf-8")
+    write_whole(text, reports)
+    write_whole(data, json.dumps(outcome.as_dict(), indent=1) + "\n")
     return outcome
 
 

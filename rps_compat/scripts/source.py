@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from rps_compat.bounded_files import read_bounded
 from rps_compat.errors import ScriptError
 from rps_compat.scripts.syntax import newer_than_the_testbeds, newer_than_this_python
 
@@ -100,13 +101,13 @@ def read_script(path: Path | str) -> Script:
     Raises
     ------
     ScriptError
-        There is no such file, or it may not be read.
+        There is no such file, it may not be read, or it is no plain file.
     UnreadableError
         Python refuses it.
     """
     path = Path(path)
     try:
-        data = path.read_bytes()
+        data = read_bounded(path)
     except OSError as error:
         raise ScriptError(f"{path}: {error.strerror or error}") from error
     return parse_script(data, path)

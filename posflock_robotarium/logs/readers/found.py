@@ -77,6 +77,8 @@ class Found:
         What the certificate answered at each step, as `Run` has it.
     parameters : mapping
         What the file says about the run.
+    promised : int, optional
+        Rows that the file says were written into it.
     """
 
     t: Floats | None
@@ -88,6 +90,7 @@ class Found:
     clearance: Floats | None = None
     status: NDArray[np.str_] | None = None
     parameters: Mapping[str, Any] = field(default_factory=dict)
+    promised: int | None = None
 
     def noted(self, note: str) -> Found:
         """Return the same with one more note.

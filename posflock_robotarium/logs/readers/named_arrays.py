@@ -69,8 +69,11 @@ def poses_among(
     if found is not None:
         notes.append("commands were recorded too")
     said: dict[str, Any] = {}
+    promised: int | None = None
     if described is not None:
         said = parameters.from_array(described, f"{where}: {parameters.NAME}")
+        promised = parameters.rows_promised(said)
+    if said:
         notes.append("parameters of the run came with the file")
     return Found(
         t,
@@ -82,6 +85,7 @@ def poses_among(
         clearance=_number_each_step(arrays.get("clearance"), len(poses)),
         status=_word_each_step(arrays.get("status"), len(poses)),
         parameters=said,
+        promised=promised,
     )
 
 

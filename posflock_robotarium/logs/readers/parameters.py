@@ -2,7 +2,8 @@
 
 A converted log takes its parameters along as one JSON object named `NAME`: an array of its bytes
 in ``.npz`` and ``.mat`` files, a comment ``# NAME: {…}`` in front of a CSV table. What reads the
-numbers without knowing of it loses nothing.
+numbers without knowing of it loses nothing. How many rows follow stands in it under `ROWS`, so that
+a file that was cut is told from a whole one.
 """
 
 from __future__ import annotations
@@ -17,35 +18,60 @@ from numpy.typing import NDArray
 from posflock_robotarium.flocking.errors import LogError
 
 NAME = "posflock_parameters"
+ROWS = "posflock_rows"
 LARGEST = 16 << 20
 """Bytes beyond which no description of a run is read."""
 
 
-def to_json(parameters: Mapping[str, Any]) -> str:
+def to_json(parameters: Mapping[str, Any], rows: int) -> str:
     """Return parameters as one line of ASCII, whatever their strings hold.
 
     Parameters
     ----------
     parameters : mapping
         What the log says about its run.
+    rows : int
+        How many rows are written with them.
     """
-    return json.dumps(dict(parameters), default=_plain)
+    return json.dumps({**parameters, ROWS: rows}, default=_plain)
 
 
-def to_bytes(parameters: Mapping[str, Any]) -> NDArray[np.uint8]:
+def rows_promised(parameters: dict[str, Any]) -> int | None:
+    """Return how many rows were written with parameters, and take that out of them.
+
+    Parameters
+    ----------
+    parameters : dict
+        As `from_json` gives them.
+
+    Returns
+    -------
+    int, optional
+        None where they do not say it, as of a run that was killed.
+    """
+    rows = parameters.pop(ROWS, None)
+    ended = parameters.get("ended")
+    if rows is None and isinstance(ended, Mapping) and ended.get("how") != "running":
+        rows = ended.get("rows")
+    return rows if type(rows) is int and rows >= 0 else None
+
+
+def to_bytes(parameters: Mapping[str, Any], rows: int) -> NDArray[np.uint8]:
     """Return parameters as an array, for files of arrays.
 
     Parameters
     ----------
     parameters : mapping
         What the log says about its run.
+    rows : int
+        How many rows are written with them.
 
     Returns
     -------
     (k,) integer array
         The bytes of their JSON.
     """
-    return np.frombuffer(to_json(parameters).encode("ascii"), dtype=np.uint8)
+    return np.frombuffer(to_json(parameters, rows).encode("ascii"), dtype=np.uint8)
 
 
 def from_json(text: str | bytes, where: str) -> dict[str, Any]:

@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.flocking.pose_log import log_paths, row_type
+from posflock_robotarium.flocking.row_file import digest_of
 from posflock_robotarium.logs.readers.forms import Form, Sign
 from posflock_robotarium.logs.readers.found import ReadOptions
 from posflock_robotarium.logs.readers.named_arrays import floats
 from posflock_robotarium.logs.readers.numpy_arrays import SIGNATURE, read_npy
-from posflock_robotarium.logs.readers.parameters import LARGEST, from_json
-from posflock_robotarium.logs.run import Ending, How, Run, ending_of
+from posflock_robotarium.logs.readers.parameters import LARGEST, from_json, rows_promised
+from posflock_robotarium.logs.run import Ending, How, Run, ending_of, missing_rows
 
 FIELDS = row_type(1).names or ()
 
@@ -78,6 +79,8 @@ def run_of(file: Path, rows: NDArray[Any]) -> Run:
         notes.append(f"no {file.with_suffix('.json').name} beside it: parameters unknown")
     elif (ending := ending_of(parameters)) is not None:
         notes += _how_it_ended(ending)
+    doubts, sound = _doubts(parameters, rows[:reached], file.with_suffix(".json").name)
+    notes += sound
     columns = {
         name: floats(rows[name][:reached], f"{file}: {name}").copy()
         for name in ("pose", "command", "intervention", "clearance")
@@ -93,7 +96,21 @@ def run_of(file: Path, rows: NDArray[Any]) -> Run:
         parameters=parameters,
         notes=tuple(notes),
         sources=(str(file),),
+        doubts=doubts,
     )
+
+
+def _doubts(
+    parameters: dict[str, Any], rows: NDArray[Any], beside: str
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return what data and description disagree on, and a note where they agree."""
+    doubts = missing_rows(len(rows), rows_promised(parameters))
+    digest = parameters.get("rows_digest")
+    if doubts or digest is None:
+        return doubts, ()
+    if digest != digest_of([np.ascontiguousarray(rows).view(np.uint8).data]):
+        return (f"the rows are not those that {beside} was written for",), ()
+    return (), ("every row is as it was written",)
 
 
 def _how_it_ended(ending: Ending) -> list[str]:

@@ -23,7 +23,7 @@ from posflock_robotarium.logs.readers.named_arrays import poses_among
 from posflock_robotarium.logs.readers.names import STATE_NAMES, TIME_NAMES
 from posflock_robotarium.logs.readers.numpy_arrays import NPY, read_npy
 from posflock_robotarium.logs.readers.pose_logs import FIELDS, POSE_LOG, run_of
-from posflock_robotarium.logs.run import LayoutError, Run
+from posflock_robotarium.logs.run import LayoutError, Run, missing_rows
 
 Floats = NDArray[np.float64]
 
@@ -129,7 +129,7 @@ def _existing(path: Path) -> Path:
 
 def _recording(found: Found, name: str, sources: tuple[str, ...], options: ReadOptions) -> Run:
     """Time what was found, leave out what is none, and check it."""
-    timed = found.t is not None
+    timed, doubts = found.t is not None, missing_rows(len(found.poses), found.promised)
     found = _without_tail(_timed(found, sources[0], options))
     if options.drop_damaged:
         found = _without_damage(found)
@@ -149,6 +149,7 @@ def _recording(found: Found, name: str, sources: tuple[str, ...], options: ReadO
         notes=found.notes,
         sources=sources,
         timed=timed,
+        doubts=doubts,
     )
 
 
@@ -260,6 +261,7 @@ def _concatenate(parts: list[Run]) -> Run:
         parameters=parts[0].parameters,
         notes=(*notes, *parts[0].notes),
         sources=tuple(source for part in parts for source in part.sources),
+        doubts=tuple(doubt for part in parts for doubt in part.doubts),
     )
 
 

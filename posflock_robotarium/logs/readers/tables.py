@@ -43,6 +43,10 @@ class Table:
         What a comment above the table says about the run.
     decimal_comma : bool
         Whether commas between digits were read as decimal points.
+    promised : int, optional
+        Rows that the file says were written into it.
+    torn : bool
+        Whether the last line has no end: it may be half of one.
     """
 
     path: Path
@@ -51,6 +55,8 @@ class Table:
     delimiter: str
     parameters: Mapping[str, Any] = field(default_factory=dict)
     decimal_comma: bool = False
+    promised: int | None = None
+    torn: bool = False
 
 
 def read_table(path: Path) -> Table:
@@ -86,6 +92,13 @@ def read_table(path: Path) -> Table:
     start = next((i for i, line in enumerate(lines) if _content(line)), None)
     if start is None:
         raise LogError(f"{path}: empty, no row of numbers in it")
+    said = _parameters(path, lines[:start])
+    promised = parameters.rows_promised(said)
+    torn = not text.endswith(("\n", "\r"))
+    if torn and promised is not None:  # a writer of ours ends every line
+        del lines[-1]
+        if start == len(lines):
+            raise LogError(f"{path}: cut off before its first row")
     delimiter = _delimiter(_content(lines[start]))
     # Between semicolons, and with no point in any row, a comma is a decimal one (Excel in Europe).
     rows = lines[start + 1 :] or lines[start:]
@@ -108,8 +121,7 @@ def read_table(path: Path) -> Table:
         raise LogError(
             f"{path}: the header names {len(names)} columns, the rows have {values.shape[1]}"
         )
-    said = _parameters(path, lines[:start])
-    return Table(path, values, names, delimiter, said, decimal_comma)
+    return Table(path, values, names, delimiter, said, decimal_comma, promised, torn)
 
 
 def _content(line: str) -> str:

@@ -80,7 +80,23 @@ def read_text(path: Path, options: ReadOptions) -> Found:
         t, poses = _without_names(table, options, notes)
     if table.parameters:
         notes.append("parameters of the run came with the file")
-    return Found(t, poses, tuple(notes), parameters=table.parameters)
+    if table.torn:
+        notes.append(
+            "the last line has no end: "
+            + ("it was cut off, and is left out" if table.promised is not None else _PERHAPS_CUT)
+        )
+    return Found(
+        t, poses, tuple(notes), parameters=table.parameters, promised=_samples(table, len(poses))
+    )
+
+
+_PERHAPS_CUT = "if the file was cut off there, its last number is wrong"
+
+
+def _samples(table: Table, samples: int) -> int | None:
+    """Return how many samples were promised: a converted file has a row for each."""
+    rows_a_sample = len(table.values) // samples if samples else 1
+    return table.promised if rows_a_sample == 1 else None
 
 
 TEXT = Form(

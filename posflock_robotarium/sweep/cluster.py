@@ -1,0 +1,195 @@
+"""Compute a study on a Dask cluster.
+
+A cluster runs whatever its clients send it, and a client believes whatever its workers answer:
+both are programs of each other's. Over ``tcp://`` anybody who reaches the scheduler's port is such
+a client. ``tls://`` admits those alone who hold a certificate, and encrypts what is sent.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from posflock_robotarium import __version__
+from posflock_robotarium.flocking.errors import PosflockError
+from posflock_robotarium.sweep.execution import DIED, Executor, Job, words_of
+from posflock_robotarium.sweep.store import Row
+from posflock_robotarium.sweep.study import Run
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+
+class ClusterError(PosflockError):
+    """A Dask cluster cannot be used."""
+
+
+@dataclass(frozen=True)
+class Certificates:
+    """By what a client and a cluster know each other, as PEM files.
+
+    Attributes
+    ----------
+    ca : Path
+        Certificate of the authority that signed those of the cluster.
+    cert : Path
+        This client's certificate, signed by the same authority.
+    key : Path
+        Its private key.
+
+    Raises
+    ------
+    ClusterError
+        Where one of them is no file.
+    """
+
+    ca: Path
+    cert: Path
+    key: Path
+
+    def __post_init__(self) -> None:
+        for name in ("ca", "cert", "key"):
+            if not getattr(self, name).is_file():
+                raise ClusterError(f"--tls-{name}: there is no file {getattr(self, name)}")
+
+    @classmethod
+    def of(cls, ca: Path | None, cert: Path | None, key: Path | None) -> Certificates | None:
+        """Return all three, or None where none is given.
+
+        Parameters
+        ----------
+        ca, cert, key : Path or None
+            The files that were named.
+
+        Raises
+        ------
+        ClusterError
+            Where one or two are given.
+        """
+        if ca is None and cert is None and key is None:
+            return None
+        if ca is None or cert is None or key is None:
+            raise ClusterError(
+                "expected all of --tls-ca, --tls-cert and --tls-key, or none of them, for what"
+                " Dask's own configuration says"
+            )
+        return cls(ca, cert, key)
+
+
+@contextmanager
+def on_cluster(
+    address: str, patience: float = 10.0, certificates: Certificates | None = None
+) -> Iterator[Executor]:
+    """Connect to a Dask scheduler and give an executor that sends it the work.
+
+    Dask's workers pin BLAS to one thread by themselves, and its scheduler gives the runs of
+    a worker that died to another; a run that kills one worker after another has failed.
+
+    Parameters
+    ----------
+    address : str
+        Of the scheduler, such as ``tls://10.0.0.1:8786``.
+    patience : float
+        Seconds to wait for the scheduler.
+    certificates : Certificates, optional
+        For ``tls://``; by default what Dask's own configuration says.
+
+    Raises
+    ------
+    ClusterError
+        Where Dask is not installed, nobody answers, a worker has another version, or the
+        scheduler goes away; what was finished is in the store by then.
+    """
+    client = _connected(address, patience, certificates)
+    try:
+        try:
+            _require_same_version(client.run(_version))
+        except (OSError, TimeoutError) as error:
+            raise _lost(address) from error
+        yield lambda job, work: _results(client, address, job, work)
+    finally:
+        with contextlib.suppress(OSError, TimeoutError):
+            client.close()
+
+
+def _connected(address: str, patience: float, certificates: Certificates | None) -> Client:
+    try:
+        from distributed import Client, Security
+    except ImportError as error:
+        raise ClusterError(
+            "a cluster needs Dask: pip install 'posflock-robotarium[cluster]'"
+        ) from error
+    if certificates is not None and not address.startswith("tls://"):
+        raise ClusterError(f"certificates are for an address tls://…, got {address}")
+    try:
+        security = None
+        if certificates is not None:
+            security = Security(
+                tls_ca_file=str(certificates.ca),
+                tls_client_cert=str(certificates.cert),
+                tls_client_key=str(certificates.key),
+                require_encryption=True,
+            )
+        return Client(address, timeout=patience, set_as_default=False, security=security)
+    except (OSError, ValueError, TypeError, RuntimeError, TimeoutError) as error:
+        hint = ""
+        if address.startswith("tls://") and certificates is None:
+            hint = "; tls:// needs --tls-ca, --tls-cert and --tls-key, or Dask's own configuration"
+        raise ClusterError(
+            f"no Dask scheduler answers at {address}: {words_of(error)}{hint}"
+        ) from error
+
+
+def _results(
+    client: Client, address: str, job: Job, work: Sequence[Sequence[Run]]
+) -> Iterator[list[Row]]:
+    """Yield the rows of batches as they are finished."""
+    from distributed import CancelledError, KilledWorker, as_completed
+
+    futures: Mapping[Any, Sequence[Run]] = _submitted(client, job, work)
+    batch_of = dict(futures)
+    done = as_completed(list(batch_of), loop=client.loop)
+    for future in done:
+        batch = batch_of.pop(future)
+        try:
+            rows = future.result()
+        except KilledWorker:
+            if len(batch) > 1:  # one of them, perhaps: each is to have its own end
+                again = _submitted(client, job, [[run] for run in batch])
+                batch_of.update(again)
+                done.update(list(again))
+                continue
+            rows = job.failed(batch, DIED)
+        except (CancelledError, OSError, TimeoutError) as error:
+            raise _lost(address) from error
+        yield rows
+        future.release()
+
+
+def _submitted(client: Client, job: Job, work: Sequence[Sequence[Run]]) -> dict[Any, Sequence[Run]]:
+    """Send batches to the cluster; return what will be known of each."""
+    futures = client.map(job, work, pure=False, batch_size=100)
+    return dict(zip(futures, work, strict=True))
+
+
+def _lost(address: str) -> ClusterError:
+    return ClusterError(
+        f"the Dask scheduler at {address} has gone; finished runs are in the store: start again"
+    )
+
+
+def _version() -> str:
+    return __version__
+
+
+def _require_same_version(versions: dict[str, str]) -> None:
+    others = {worker: found for worker, found in versions.items() if found != __version__}
+    if others:
+        worker, found = next(iter(others.items()))
+        raise ClusterError(
+            f"posflock-robotarium {__version__} is expected on every worker; {worker} has {found}"
+        )
