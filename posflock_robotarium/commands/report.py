@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from posflock_robotarium.alignment.verdicts import Mark
 from posflock_robotarium.commands import options
 
 if TYPE_CHECKING:
@@ -255,6 +256,6 @@ def _print_verdicts(analyses: list["Analysis"]) -> None:
     for analysis in analyses:
         typer.echo(f"{analysis.name}")
         for verdict in analysis.verdicts:
-            typer.echo(f"  {verdict.mark:8s} {verdict.question} {verdict.answer}")
-            if verdict.because and verdict.mark != "good":
+            typer.echo(f"  {verdict.mark:8} {verdict.question} {verdict.answer}")
+            if verdict.because and verdict.mark is not Mark.GOOD:
                 typer.echo(f"           {verdict.because}")

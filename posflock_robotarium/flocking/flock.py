@@ -37,6 +37,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from barrier_certificates import ties
 from barrier_certificates.guarantee import largest_gain, largest_wall_gain
+from barrier_certificates.projection import Status
 from barrier_certificates.rows import VelocityPolygon
 from barrier_certificates.unicycle import UnicycleCertificate
 from posflock_robotarium.flocking.errors import ParameterError
@@ -82,8 +83,8 @@ class FlockStep:
     ----------
     command : (2, N) array
         v in m/s and ω in rad/s, for ``set_velocities``.
-    status : str
-        What the certificate said: trivial, optimal, relaxed or failed.
+    status : Status
+        What the certificate said.
     intervention : float
         How far it changed a robot's velocity at most, m/s.
     clearance : float
@@ -96,7 +97,7 @@ class FlockStep:
     """
 
     command: Floats
-    status: str
+    status: Status
     intervention: float
     clearance: float
     active: tuple[str, ...]

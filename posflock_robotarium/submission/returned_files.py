@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import shutil
 from dataclasses import dataclass
-from enum import Enum
 from pathlib import Path
 
+from barrier_certificates.word_enum import WordEnum
 
-class FileState(str, Enum):
+
+class FileState(WordEnum):
     """What a file that came back is found to be."""
 
     POSE_LOG = "pose log"
