@@ -191,6 +191,11 @@ class Flock:
         self.filter.reset()
         self.certificate.reset()
 
+    @property
+    def arena(self) -> tuple[float, float, float, float]:
+        """Where it keeps the robots: least and greatest x, least and greatest y, m."""
+        return self._steering.arena
+
     def parameters(self) -> dict[str, Any]:
         """Return everything a log must say to repeat the run, ready for JSON."""
         return {
@@ -202,7 +207,7 @@ class Flock:
             "filtering": asdict(self.filter.parameters),
             "neighbour_radius": self.law.as_dict()["radius"],
             "neighbour_hysteresis": self._neighbours.hysteresis,
-            "arena": list(self._steering.arena),
+            "arena": list(self.arena),
         }
 
     def steps_in(self, duration: float) -> int:
