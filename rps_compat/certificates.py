@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from barrier_certificates.checks import finite
 from barrier_certificates.projection import ProjectionInfo, Projector, Status
 from barrier_certificates.rows import Disc, LimitRows, Rows, VelocityPolygon
 from barrier_certificates.single_integrator import SingleIntegratorCertificate
@@ -284,7 +285,7 @@ def require_finite(name: str, values: Array) -> None:
     NotFiniteError
         Says which robot, and what its value is.
     """
-    if not np.isfinite(values.sum()):
+    if values.size and not finite(values):
         row, robot = (int(k) for k in np.argwhere(~np.isfinite(values))[0])
         raise NotFiniteError(
             f"{name}[{row}, {robot}] (robot {robot}) is {values[row, robot]}, expected a finite "
