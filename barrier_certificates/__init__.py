@@ -19,7 +19,8 @@ From the outside in:
 - `deadlock`: robots that are safe but stuck; `guarantee`: what holds in steps, and what voids it;
 - `ties`: what is decided where numbers are equal but for their last bits;
 - `certificate_errors`: what is raised, under one root; `checks`: who raises most of it;
-- `wall_distance`, `file_lock`: what the packages above share, and nobody here asks for.
+- `wall_distance`, `file_lock`: what the packages above share, and nobody here asks for;
+  `word_enum`: what all three do.
 
 Public are these modules and packages, with the names that their ``__all__`` lists; names with an
 underscore are nobody else's business. Nothing here knows the Robotarium or a flock. numpy and scipy

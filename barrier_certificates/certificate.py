@@ -15,7 +15,7 @@ from barrier_certificates import checks
 from barrier_certificates.array_types import FloatArray
 from barrier_certificates.certificate_errors import ParameterError
 from barrier_certificates.deadlock import DeadlockMonitor, DeadlockParameters, tilt
-from barrier_certificates.projection import Policy, ProjectionInfo, Projector
+from barrier_certificates.projection import Policy, ProjectionInfo, Projector, Status
 from barrier_certificates.projection.projector import largest_speed
 from barrier_certificates.rows import (
     LimitRows,
@@ -216,8 +216,8 @@ class Certificate(ABC):
         if self.tilt and stuck.any():
             command = np.where(stuck, tilt(desired, self.tilt), desired)
         velocity, info = self._memory.projector.project(command, rows, self._memory.book.top_speed)
-        if command is not desired and info.status == "trivial":
-            info.status = "optimal"  # safe as it was tilted, but not what was desired
+        if command is not desired and info.status is Status.TRIVIAL:
+            info.status = Status.OPTIMAL  # safe as it was tilted, but not what was desired
         if math.isfinite(info.intervention):
             info.intervention = largest_speed(velocity - desired)
             monitor.watch(desired, command, velocity)

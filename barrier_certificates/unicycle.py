@@ -29,7 +29,7 @@ from barrier_certificates import checks
 from barrier_certificates.array_types import FloatArray
 from barrier_certificates.certificate import Certificate
 from barrier_certificates.differential_drive import DifferentialDrive
-from barrier_certificates.projection import ProjectionInfo
+from barrier_certificates.projection import ProjectionInfo, Status
 from barrier_certificates.rows import (
     LimitRows,
     Margin,
@@ -161,7 +161,7 @@ class UnicycleCertificate(Certificate, DifferentialDrive):
         points[0] = ahead * cos - aside * sin
         points[1] = ahead * sin + aside * cos
         velocity, info = self._certify(points, scene, obstacles)
-        if info.status == "trivial":
+        if info.status is Status.TRIVIAL:
             return desired.copy(), info
         return self._commands(velocity, scene.headings), info
 

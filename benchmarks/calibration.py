@@ -15,7 +15,7 @@ import numpy as np  # noqa: E402
 from posflock_robotarium.calibration import calibrate  # noqa: E402
 from posflock_robotarium.logs.run import Run  # noqa: E402
 from rps_compat.arena import Arena  # noqa: E402
-from rps_compat.distributions import RobotDistribution, constant  # noqa: E402
+from rps_compat.distributions import DistributionKind, RobotDistribution, constant  # noqa: E402
 from rps_compat.realism import (  # noqa: E402
     DeadTime,
     Disturbance,
@@ -48,7 +48,7 @@ def simulated_testbed(
     }
 
     def each(name: str) -> RobotDistribution:
-        return RobotDistribution("robots", tuple(truth[name]))
+        return RobotDistribution(DistributionKind.ROBOTS, tuple(truth[name]))
 
     profile = Profile(
         dead_time=DeadTime(constant(float(truth["dead time"][0]))),

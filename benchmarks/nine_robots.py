@@ -25,7 +25,7 @@ import numpy as np
 from comparing import Table, Times, cpu, cpu_with_children, seconds
 from references import dense_certificate
 
-from barrier_certificates.projection import ProjectionInfo
+from barrier_certificates.projection import ProjectionInfo, Status
 from posflock_robotarium.alignment.summary import Summary, summarise
 from posflock_robotarium.flocking.flock import Flock
 from posflock_robotarium.flocking.placement import random_poses
@@ -75,7 +75,7 @@ class DenseCertificate:
         heading = np.array([np.cos(poses[2]), np.sin(poses[2])])
         return self._certify(
             desired, poses[:2] + self.projection_distance * heading
-        ), ProjectionInfo("optimal")
+        ), ProjectionInfo(Status.OPTIMAL)
 
     def reset(self) -> None:
         """Forget nothing: it remembers nothing."""

@@ -21,7 +21,7 @@ Two kinds of guests may be handed in, a `Realism` and a `Recorder`: see `rps_com
 """
 
 from collections.abc import Iterable
-from math import isfinite
+from math import hypot
 from typing import cast
 
 import numpy as np
@@ -330,6 +330,10 @@ def violations_of(poses: Array, robot: RobotModel, rows: Iterable[int]) -> Viola
     return arena.violations
 
 
+#: Beyond this a velocity counts as infinite: the wheels' speeds could not be told any more.
+_LARGEST = 1e300
+
+
 def require_finite(velocities: Array) -> None:
     """Refuse velocities that are not finite, naming robot and value.
 
@@ -341,14 +345,16 @@ def require_finite(velocities: Array) -> None:
     Raises
     ------
     CommandError
-        If one is NaN or infinite.
+        If one is NaN or infinite, or beyond 1e300.
     """
-    # A sum of squares is finite only where all its terms are, and cheaper than asking each; it may
-    # overflow for finite velocities, so the answer no is asked again.
-    flat = velocities.ravel()
-    if isfinite(flat.dot(flat)) or np.isfinite(flat).all():
+    # A length is finite only where all its parts are, and cheaper than asking each. NaN fails both
+    # comparisons; the length of many that are nearly too large is asked again, part by part.
+    if hypot(*velocities.ravel().tolist()) <= _LARGEST:
         return
-    where = tuple(int(k) for k in np.argwhere(~np.isfinite(velocities))[0])
+    drivable = np.abs(velocities) <= _LARGEST
+    if drivable.all():
+        return
+    where = tuple(int(k) for k in np.argwhere(~drivable)[0])
     what = ("forward speed", "turn rate")[where[0] % 2] if len(where) == 2 else "velocity"
     place = ", ".join(map(str, where))
     raise CommandError(

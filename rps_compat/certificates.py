@@ -19,7 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from barrier_certificates.projection import ProjectionInfo, Projector
+from barrier_certificates.checks import finite
+from barrier_certificates.projection import ProjectionInfo, Projector, Status
 from barrier_certificates.rows import Disc, LimitRows, Rows, VelocityPolygon
 from barrier_certificates.single_integrator import SingleIntegratorCertificate
 from barrier_certificates.unicycle import UnicycleCertificate
@@ -170,7 +171,7 @@ def certify(
             category=RuntimeWarning,
             stacklevel=3,
         )
-    if info.status in ("relaxed", "failed"):
+    if info.status in (Status.RELAXED, Status.FAILED):
         worst = info.violated[0] if info.violated else "nothing"
         warnings.warn(
             f"no velocity keeps every robot safe: {worst} cannot be satisfied "
@@ -235,7 +236,7 @@ class PointsAhead:
         return answer, info
 
 
-def nearest(velocities: Array, coefficients: Array, bounds: Array) -> tuple[Array, str]:
+def nearest(velocities: Array, coefficients: Array, bounds: Array) -> tuple[Array, Status]:
     """Return the velocities nearest to those given that satisfy all rows.
 
     Parameters
@@ -251,8 +252,8 @@ def nearest(velocities: Array, coefficients: Array, bounds: Array) -> tuple[Arra
     -------
     velocities : (2, N) array
         The nearest, m/s; zeros if nothing satisfies all rows.
-    status : str
-        As in :class:`barrier_certificates.projection.ProjectionInfo`.
+    status : Status
+        What became of them.
     """
     unknowns = velocities.size
     lengths = np.linalg.norm(coefficients, axis=1)
@@ -284,7 +285,7 @@ def require_finite(name: str, values: Array) -> None:
     NotFiniteError
         Says which robot, and what its value is.
     """
-    if not np.isfinite(values.sum()):
+    if values.size and not finite(values):
         row, robot = (int(k) for k in np.argwhere(~np.isfinite(values))[0])
         raise NotFiniteError(
             f"{name}[{row}, {robot}] (robot {robot}) is {values[row, robot]}, expected a finite "

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from barrier_certificates.word_enum import WordEnum
 from rps_compat.errors import RobotariumError
 
 Array = NDArray[np.float64]
@@ -44,37 +45,50 @@ def require(condition: bool, name: str, got: object, expected: str) -> None:
         raise ProfileError(f"{name}: expected {expected}, got {got!r}")
 
 
+class DistributionKind(WordEnum):
+    """How the robots' values come about; what profiles call it."""
+
+    CONSTANT = "constant"
+    UNIFORM = "uniform"
+    NORMAL = "normal"
+    #: One value a robot, listed.
+    ROBOTS = "robots"
+
+
+#: How many numbers each takes; None for any.
+_NUMBERS = {
+    DistributionKind.CONSTANT: 1,
+    DistributionKind.UNIFORM: 2,
+    DistributionKind.NORMAL: 2,
+    DistributionKind.ROBOTS: None,
+}
+
+
 @dataclass(frozen=True)
 class RobotDistribution:
     """One value a robot, drawn at the start of a run.
 
     Attributes
     ----------
-    kind : str
-        ``constant``, ``uniform``, ``normal`` or ``robots``.
+    kind : DistributionKind
+        How they come about.
     values : tuple of float
         The constant; low and high; mean and standard deviation; one value a robot.
     limit : float
         Largest distance of a normal value from its mean.
     """
 
-    kind: str
+    kind: DistributionKind
     values: tuple[float, ...]
     limit: float = np.inf
 
     def __post_init__(self) -> None:
-        sizes = {"constant": 1, "uniform": 2, "normal": 2, "robots": len(self.values)}
-        require(self.kind in sizes, "kind", self.kind, ", ".join(sizes))
-        require(
-            len(self.values) == sizes[self.kind] and len(self.values) > 0,
-            self.kind,
-            self.values,
-            f"{max(sizes[self.kind], 1)} number(s)",
-        )
+        numbers = _NUMBERS[self.kind] or max(len(self.values), 1)
+        require(len(self.values) == numbers, self.kind, self.values, f"{numbers} number(s)")
         require(bool(np.isfinite(self.values).all()), self.kind, self.values, "finite numbers")
-        if self.kind == "uniform":
+        if self.kind is DistributionKind.UNIFORM:
             require(self.values[0] <= self.values[1], "uniform", self.values, "[low, high]")
-        if self.kind == "normal":
+        if self.kind is DistributionKind.NORMAL:
             require(self.values[1] >= 0, "normal", self.values, "[mean, sigma] with sigma ≥ 0")
             least = self.values[1] / 100  # what lies beyond is drawn again
             require(self.limit > least, "limit", self.limit, f"more than sigma/100, {least:g}")
@@ -100,11 +114,11 @@ class RobotDistribution:
         ProfileError
             Where the profile lists another number of robots than the run has.
         """
-        if self.kind == "constant":
+        if self.kind is DistributionKind.CONSTANT:
             return np.full(robots, self.values[0])
-        if self.kind == "uniform":
+        if self.kind is DistributionKind.UNIFORM:
             return rng.uniform(self.values[0], self.values[1], robots)
-        if self.kind == "robots":
+        if self.kind is DistributionKind.ROBOTS:
             if len(self.values) != robots:
                 raise ProfileError(
                     f"the profile lists values of {len(self.values)} robots, but the run has"
@@ -136,7 +150,7 @@ class RobotDistribution:
             If a value below could be drawn.
         """
         low = min(self.values)
-        if self.kind == "normal":
+        if self.kind is DistributionKind.NORMAL:
             low = self.values[0] - min(3 * self.values[1], self.limit)
         require(low >= least, name, self.values, f"values of at least {least:g}")
 
@@ -149,7 +163,7 @@ def constant(value: float) -> RobotDistribution:
     value : float
         The value, in the entry's unit.
     """
-    return RobotDistribution("constant", (value,))
+    return RobotDistribution(DistributionKind.CONSTANT, (value,))
 
 
 @dataclass(frozen=True)

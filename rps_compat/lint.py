@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
-from rps_compat.porting import Porting
+from rps_compat.porting import ChangeKind, Porting
 from rps_compat.scripts import edits as editing
 from rps_compat.scripts.api import ApiName, Role
 from rps_compat.scripts.changes import Change, Kind
@@ -38,8 +38,7 @@ class Finding:
     line
         Where, counted from 1.
     kind
-        "name", "default", "argument" or "version"; "later" is what only a newer version of a
-        library than the testbed's has not, and need not be changed.
+        What has to be changed.
     message
         What is wrong and what is right.
     edits
@@ -49,7 +48,7 @@ class Finding:
     """
 
     line: int
-    kind: Literal["name", "default", "argument", "version", "later"]
+    kind: ChangeKind
     message: str
     edits: tuple[Edit, ...] = ()
     file: str = ""
@@ -57,12 +56,12 @@ class Finding:
     @property
     def needed(self) -> bool:
         """Whether the testbed needs the change."""
-        return self.kind != "later"
+        return self.kind is not ChangeKind.LATER
 
     @property
     def by_hand(self) -> bool:
         """Whether a person has to make it: rewriting does not."""
-        return self.needed and self.kind != "default" and not self.edits
+        return self.needed and self.kind is not ChangeKind.DEFAULT and not self.edits
 
 
 def findings_of(script: Script) -> list[Finding]:
@@ -155,12 +154,13 @@ def _is_told(use: Use) -> bool:
     return not isinstance(use.entry, ApiName) or use.matters(TARGET)
 
 
-def _kind_of(use: Use) -> Literal["name", "argument", "version", "later"]:
+def _kind_of(use: Use) -> ChangeKind:
     if isinstance(use.entry, ApiName):
-        return "argument" if use.entry.role in (Role.ARGUMENT, Role.POSITIONAL) else "name"
+        argument = use.entry.role in (Role.ARGUMENT, Role.POSITIONAL)
+        return ChangeKind.ARGUMENT if argument else ChangeKind.NAME
     if isinstance(use.entry, Change) and use.entry.kind is Kind.LATER:
-        return "later"
-    return "version"
+        return ChangeKind.LATER
+    return ChangeKind.VERSION
 
 
 def _merged(found: list[Finding]) -> list[Finding]:

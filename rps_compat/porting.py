@@ -13,8 +13,9 @@ import inspect
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, Literal
+from typing import Any
 
+from barrier_certificates.word_enum import WordEnum
 from rps_compat.scripts.api import renamed_parameters
 from rps_compat.scripts.edits import Edit, Text
 from rps_compat.scripts.faces import API_MODULES, has, parameters
@@ -38,6 +39,20 @@ from rps_compat.scripts.values import origins
 _EMPTY = inspect.Parameter.empty
 
 
+class ChangeKind(WordEnum):
+    """What has to be changed in a line."""
+
+    NAME = "name"
+    #: An argument with another name, place or meaning.
+    ARGUMENT = "argument"
+    #: What a call leaves out, and generation 2 fills in differently.
+    DEFAULT = "default"
+    #: A name that the testbed's version of a library or Python has not.
+    VERSION = "version"
+    #: A name that only newer versions than the testbed's have not: nothing, there.
+    LATER = "later"
+
+
 @dataclass(frozen=True)
 class Ported:
     """What is to be known of a call, besides the names in it.
@@ -46,8 +61,8 @@ class Ported:
     ----------
     line : int
         Where.
-    kind : str
-        "name", "argument" or "default".
+    kind : ChangeKind
+        A name, an argument or a default.
     message : str
         What is other in generation 2.
     edits : tuple of Edit
@@ -55,7 +70,7 @@ class Ported:
     """
 
     line: int
-    kind: Literal["name", "argument", "default"]
+    kind: ChangeKind
     message: str
     edits: tuple[Edit, ...] = ()
 
@@ -165,7 +180,7 @@ class Porting:
         ):
             yield Ported(
                 call.lineno,
-                "argument",
+                ChangeKind.ARGUMENT,
                 f"set_velocities({self._text.of(ids)}, ...): generation 1 ignores the ids, "
                 "generation 2 commands these robots only; pass np.arange(N) for all",
             )
@@ -192,7 +207,9 @@ class Porting:
             made = f"{self._prefix(call)}{new}({', '.join(options)})({what})[1].nonzero()"
             edits = (self._text.replace(call, made), *self._brought(call, new))
             self._mends(edits, call.func)
-        return Ported(call.lineno, "name", f"{new} makes the function that {name} is", edits)
+        return Ported(
+            call.lineno, ChangeKind.NAME, f"{new} makes the function that {name} is", edits
+        )
 
     def _at_once(self, call: ast.Call, name: str) -> None:
         """``single_integrator_to_unicycle2(dxi, x)`` → ``create_si_to_uni_dynamics()(dxi, x)``."""
@@ -219,7 +236,7 @@ class Porting:
             end = self._text.end(call)
             yield Ported(
                 call.lineno,
-                "name",
+                ChangeKind.NAME,
                 f"{new} returns two functions, {name} the first of them",
                 (self._text.make(end, end, "[0]"),),
             )
@@ -243,7 +260,9 @@ class Porting:
             if target not in fresh and argument in old:
                 changed = True
                 yield Ported(
-                    call.lineno, "argument", f"{new} has no argument {argument}; it is left out"
+                    call.lineno,
+                    ChangeKind.ARGUMENT,
+                    f"{new} has no argument {argument}; it is left out",
                 )
                 continue
             text = self._text.of(value)
@@ -261,7 +280,7 @@ class Porting:
                 kept.append(f"{target}={_written(default)}")
                 yield Ported(
                     call.lineno,
-                    "default",
+                    ChangeKind.DEFAULT,
                     f"{argument} of {name} is {_written(default)} by default, "
                     f"in generation 2 {_written(fresh[target])}",
                 )
@@ -269,7 +288,7 @@ class Porting:
             edit = self._all_arguments(call, kept)
             self._mends((edit,), *call.args, *(keyword.value for keyword in call.keywords))
             message = f"arguments of {new} in generation 2: {', '.join(kept) or 'none'}"
-            yield Ported(call.lineno, "argument", message, (edit,))
+            yield Ported(call.lineno, ChangeKind.ARGUMENT, message, (edit,))
 
 
 @cache

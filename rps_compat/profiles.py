@@ -34,14 +34,21 @@ from typing import Any
 import numpy as np
 
 from rps_compat.bounded_files import read_bounded
-from rps_compat.distributions import Curve, ProfileError, RobotDistribution
+from rps_compat.distributions import (
+    Curve,
+    DistributionKind,
+    ProfileError,
+    RobotDistribution,
+    constant,
+)
 from rps_compat.realism import EFFECTS, Profile
 
 #: Profiles that come with the package, mildest first.
 NAMES = ("ideal", "gritsbot_x", "harsh")
 #: Beyond this no entry of a profile means anything; in SI units, as all are.
 LARGEST = 1e6
-_KINDS = ("uniform", "normal", "robots")
+#: Distributions that are told by name; a constant is told by its number alone.
+_NAMED = tuple(kind for kind in DistributionKind if kind is not DistributionKind.CONSTANT)
 
 
 def load_profile(name: str | Path) -> Profile:
@@ -207,16 +214,16 @@ def _value(kind: type, value: Any) -> Any:
             raise ProfileError(f"expected a curve [[speed, factor], …], got {value!r}")
         return Curve(tuple((_number(at), _number(factor)) for at, factor in value))
     if kind is RobotDistribution:
-        return _draw(value)
+        return _distribution(value)
     return _number(value)
 
 
-def _draw(value: Any) -> RobotDistribution:
+def _distribution(value: Any) -> RobotDistribution:
     if not isinstance(value, Mapping):
-        return RobotDistribution("constant", (_number(value),))
-    _refuse_unknown(value, (*_KINDS, "limit"), "a distribution")
-    chosen = [kind for kind in _KINDS if kind in value]
-    if len(chosen) != 1 or ("limit" in value and chosen != ["normal"]):
+        return constant(_number(value))
+    _refuse_unknown(value, (*_NAMED, "limit"), "a distribution")
+    chosen = [kind for kind in _NAMED if kind in value]
+    if len(chosen) != 1 or ("limit" in value and chosen != [DistributionKind.NORMAL]):
         raise ProfileError(
             "expected a number, { uniform = [low, high] }, { normal = [mean, sigma] } (which may"
             f" have a limit) or {{ robots = [one value a robot] }}, got {dict(value)!r}"
@@ -253,10 +260,10 @@ def _plain(value: Any) -> Any:
     if isinstance(value, Curve):
         return [list(pair) for pair in value.points]
     if isinstance(value, RobotDistribution):
-        if value.kind == "constant":
+        if value.kind is DistributionKind.CONSTANT:
             return value.values[0]
         limit = {"limit": value.limit} if np.isfinite(value.limit) else {}
-        return {value.kind: list(value.values), **limit}
+        return {value.kind.value: list(value.values), **limit}
     return value
 
 

@@ -29,7 +29,7 @@ class RunRecorder(Recorder, Protocol):
         Parameters
         ----------
         how : str
-            How the run ended, in the words of `Outcome.ended`.
+            How the run ended, in the words of `rps_compat.running.outcome.LoggedEnd`.
         reason : str
             Why, in words; may be empty.
         """

@@ -11,14 +11,14 @@ from barrier_certificates.ties import beyond
 from rps_compat.arena import Arena
 from rps_compat.generations import Generation
 from rps_compat.testbed import MAX_DURATION, MAX_ROBOTS
-from rps_compat.violations import Violations
+from rps_compat.violations import FaultKind, Violations
 
 #: How generation 1 calls its faults; scripts read these strings in ``_errors``.
 MESSAGES = {
-    "boundary": "iteration(s) robots were outside the boundaries.",
-    "collision": "iteration(s) where robots collided.",
-    "actuator": "iteration(s) where the actuator limits of at least one robot were exceeded and "
-    "thresholded to their maximum rotational velocity.",
+    FaultKind.BOUNDARY: "iteration(s) robots were outside the boundaries.",
+    FaultKind.COLLISION: "iteration(s) where robots collided.",
+    FaultKind.ACTUATOR: "iteration(s) where the actuator limits of at least one robot were "
+    "exceeded and thresholded to their maximum rotational velocity.",
 }
 #: The verdict on a run in which nothing went wrong.
 NO_VIOLATIONS = "no violations"
@@ -33,7 +33,7 @@ class Fault:
     Attributes
     ----------
     kind
-        "collision", "boundary" or "actuator".
+        What was wrong.
     robots
         The robots concerned.
     start, end
@@ -43,7 +43,7 @@ class Fault:
         wheel asked for (rad/s).
     """
 
-    kind: str
+    kind: FaultKind
     robots: tuple[int, ...]
     start: float
     end: float
@@ -52,9 +52,9 @@ class Fault:
     def __str__(self) -> str:
         robots = " and ".join(f"{robot}" for robot in self.robots)
         span = f"{self.start:.2f} s" + (f" to {self.end:.2f} s" if self.end > self.start else "")
-        if self.kind == "collision":
+        if self.kind is FaultKind.COLLISION:
             return f"robots {robots} too close at {span}, {100 * self.worst:.1f} cm at the nearest"
-        if self.kind == "boundary":
+        if self.kind is FaultKind.BOUNDARY:
             return f"robot {robots} outside at {span}, {100 * self.worst:.1f} cm at the farthest"
         return f"robot {robots} asked for wheels of {self.worst:.1f} rad/s at {span}"
 
@@ -141,8 +141,8 @@ class RunReport:
         percent = 100 * steps / max(self.steps, 1)
         return f"{steps} out of {self.steps} (~{percent:.0f}%) timesteps"
 
-    def _listing(self, kind: str, indent: str) -> str:
-        faults = [fault for fault in self.faults if fault.kind == kind]
+    def _listing(self, kind: FaultKind, indent: str) -> str:
+        faults = [fault for fault in self.faults if fault.kind is kind]
         lines = [f"{indent}{fault}\n" for fault in faults[:LISTED]]
         if len(faults) > LISTED:
             lines.append(f"{indent}and {len(faults) - LISTED} more\n")
@@ -153,9 +153,9 @@ class RunReport:
         found = [
             (kind, steps)
             for kind, steps in (
-                ("boundary", self.steps_outside),
-                ("collision", self.steps_too_close),
-                ("actuator", self.steps_over_actuator_limits),
+                (FaultKind.BOUNDARY, self.steps_outside),
+                (FaultKind.COLLISION, self.steps_too_close),
+                (FaultKind.ACTUATOR, self.steps_over_actuator_limits),
             )
             if steps
         ]
@@ -176,8 +176,8 @@ class RunReport:
         if self.clean:
             out += "No hard errors detected, your script will run on the Robotarium!\n\n"
         for kind, steps, what in (
-            ("collision", self.steps_too_close, "robots too close to each other"),
-            ("boundary", self.steps_outside, "robots outside the boundaries"),
+            (FaultKind.COLLISION, self.steps_too_close, "robots too close to each other"),
+            (FaultKind.BOUNDARY, self.steps_outside, "robots outside the boundaries"),
         ):
             if steps:
                 out += f"ERROR: {self._share(steps)} had {what}.\n"

@@ -17,7 +17,7 @@ from rps_compat.run_folder import asked_folder, claimed_folder, forget_report, f
 from rps_compat.run_settings import RunSettings
 from rps_compat.running.driver import Guests, drive
 from rps_compat.running.outcome import Outcome
-from rps_compat.running.plan import RunPlan
+from rps_compat.running.plan import ClockPolicy, RunPlan
 from rps_compat.scripts.changes import Kind
 from rps_compat.scripts.deaths import hint
 from rps_compat.scripts.evidence import evidence_in
@@ -95,7 +95,7 @@ def _plan(
         seed=settings.seed,
         script_seed=settings.seed,
         profile=profile,
-        clock="simulated" if headless else "real",
+        clock=ClockPolicy.SIMULATED if headless else ClockPolicy.REAL,
         draws_on_demand=headless,
         answers=tuple(settings.answers) if headless else None,
         bridges=(Kind.GONE.value, Kind.LATER.value),

@@ -6,14 +6,23 @@ overlap is one line of a report and memory does not grow with the length of the 
 """
 
 from dataclasses import dataclass, field
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from barrier_certificates import ties
+from barrier_certificates.word_enum import WordEnum
 
-Kind = Literal["collision", "boundary", "actuator"]
+
+class FaultKind(WordEnum):
+    """What the testbed holds against a run."""
+
+    #: A pair too close.
+    COLLISION = "collision"
+    #: A robot outside.
+    BOUNDARY = "boundary"
+    #: Wheels asked to turn faster than they can.
+    ACTUATOR = "actuator"
 
 
 @dataclass
@@ -23,8 +32,7 @@ class Event:
     Attributes
     ----------
     kind
-        "collision" (a pair too close), "boundary" (a robot outside) or "actuator" (wheels asked to
-        turn faster than they can).
+        What is wrong.
     robots
         The pair, or the one robot.
     first, last
@@ -34,7 +42,7 @@ class Event:
         wall, or largest wheel speed asked for (rad/s).
     """
 
-    kind: Kind
+    kind: FaultKind
     robots: tuple[int, ...]
     first: int
     last: int
@@ -77,7 +85,7 @@ class Violations:
     close_by_robot: dict[int, int] = field(default_factory=dict)
     close_steps: int = 0
     events: list[Event] = field(default_factory=list)
-    _open: dict[tuple[Kind, tuple[int, ...]], Event] = field(default_factory=dict, repr=False)
+    _open: dict[tuple[FaultKind, tuple[int, ...]], Event] = field(default_factory=dict, repr=False)
 
     @property
     def clean(self) -> bool:
@@ -104,7 +112,7 @@ class Violations:
         self.actuator_steps += 1
         self.largest_wheel_velocity = max(self.largest_wheel_velocity, float(fastest.max()))
         for robot in robots:
-            self._note("actuator", (int(robot),), step, float(fastest[robot]))
+            self._note(FaultKind.ACTUATOR, (int(robot),), step, float(fastest[robot]))
 
     def outside(self, step: int, beyond: NDArray[np.float64]) -> None:
         """Count a step that begins with robots outside the arena.
@@ -119,7 +127,7 @@ class Violations:
         self.outside_steps += 1
         for robot in map(int, np.flatnonzero(ties.beyond(beyond, 0.0))):
             self.outside_by_robot[robot] = self.outside_by_robot.get(robot, 0) + 1
-            self._note("boundary", (robot,), step, float(beyond[robot]))
+            self._note(FaultKind.BOUNDARY, (robot,), step, float(beyond[robot]))
 
     def close(
         self,
@@ -146,7 +154,7 @@ class Violations:
         for i, j, distance in zip(first.tolist(), second.tolist(), distances.tolist(), strict=True):
             for robot in (i, j):
                 self.close_by_robot[robot] = self.close_by_robot.get(robot, 0) + 1
-            self._note("collision", (i, j), step, distance)
+            self._note(FaultKind.COLLISION, (i, j), step, distance)
 
     def lasting(self, since: int) -> list[Event]:
         """Return the events that were seen at a step or later, of each kind and robots.
@@ -160,7 +168,7 @@ class Violations:
             return self.events
         return [event for event in self._open.values() if event.last >= since]
 
-    def _note(self, kind: Kind, robots: tuple[int, ...], step: int, value: float) -> None:
+    def _note(self, kind: FaultKind, robots: tuple[int, ...], step: int, value: float) -> None:
         event = self._open.get((kind, robots))
         if event is None or event.last < step - 1:
             event = Event(kind, robots, step, step, value)
@@ -168,4 +176,5 @@ class Violations:
             self.events.append(event)
             return
         event.last = step
-        event.worst = min(event.worst, value) if kind == "collision" else max(event.worst, value)
+        worse = min if kind is FaultKind.COLLISION else max
+        event.worst = worse(event.worst, value)

@@ -13,6 +13,7 @@ from rps_compat.distributions import ProfileError
 from rps_compat.profiles import load_profile
 from rps_compat.report import Fault, RunReport
 from rps_compat.running.outcome import Ended, Gap, Outcome
+from rps_compat.violations import FaultKind
 
 SCRIPT = """\
 import numpy as np
@@ -25,7 +26,7 @@ r.debug()
 
 
 def outcome(plan, kinds=(), ended=Ended.FINISHED, gap=0.3):
-    faults = tuple(Fault(kind, (0,), 0.0, 0.1, 0.2) for kind in kinds)
+    faults = tuple(Fault(FaultKind(kind), (0,), 0.0, 0.1, 0.2) for kind in kinds)
     report = RunReport(2, 10, 0.33, 0, 0, 0, 0, 0.0, faults)
     nearest = None if gap is None else Gap(gap, 0.0, (0, 1))
     script = Path(plan.script)

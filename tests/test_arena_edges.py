@@ -189,12 +189,23 @@ def test_the_fastest_wheel_of_a_run_is_kept():
 
 
 def test_finite_commands_are_finite_however_large():
-    with np.errstate(over="ignore"):
+    with np.errstate(all="raise"):
         require_finite(np.array([[1e200, 0.0], [0.0, -1e200]]))
+        require_finite(np.full((2, 40), -1e300))
+        arena = arena_at((0, 0, 0), (1, 0, 0))
+        arena.commands = np.array([[1e200, -1e300], [1e250, 1e200]])
+        arena.step()
+    limit = GRITSBOT_X.max_wheel_velocity
+    np.testing.assert_array_equal(arena.wheel_velocities, [[-limit, -limit], [limit, -limit]])
+    assert arena.violations.largest_wheel_velocity == pytest.approx(1e300 / 0.016)
     with pytest.raises(CommandError, match=r"velocity of robot 1 is inf \(velocities\[1\]\)"):
         require_finite(np.array([0.0, np.inf]))
     with pytest.raises(CommandError, match=r"turn rate of robot 1 is nan \(velocities\[1, 1\]\)"):
         require_finite(np.array([[0.1, 0.0], [0.0, np.nan]]))
+    with pytest.raises(CommandError, match=r"forward speed of robot 0 is -1.7e\+308"):
+        require_finite(np.array([[-1.7e308, 0.0], [0.0, 0.0]]))
+    with pytest.raises(CommandError, match=r"forward speed of robot 0 is inf"):
+        require_finite(np.array([[np.inf, 0.0], [-np.inf, np.nan]]))
 
 
 def test_logged_poses_are_judged_where_they_are():

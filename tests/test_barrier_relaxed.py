@@ -10,7 +10,7 @@ from scipy.optimize import nnls
 
 from barrier_certificates import solvers
 from barrier_certificates.certificate_errors import InfeasibleError, ParameterError, ShapeError
-from barrier_certificates.projection import ProjectionInfo, Projector
+from barrier_certificates.projection import ProjectionInfo, Projector, Status
 from barrier_certificates.projection.infeasible import least_broken
 from barrier_certificates.projection.scaled_program import TOLERANCE, Program
 from barrier_certificates.rows.row_set import Rows
@@ -99,7 +99,7 @@ class Told:
 def told(rows, velocity, command=None, top=0.2):
     search = Told(*velocity)
     program = Program.of(np.zeros(rows.size) if command is None else command, rows, top)
-    return least_broken(program, search, ProjectionInfo("optimal")), search
+    return least_broken(program, search, ProjectionInfo(Status.OPTIMAL)), search
 
 
 @pytest.mark.parametrize(
@@ -173,16 +173,17 @@ def test_the_error_names_the_three_rows_that_are_furthest_from_holding_in_metres
 
 
 def test_a_report_prints_without_its_arrays():
-    assert repr(ProjectionInfo("trivial")) == (
-        "ProjectionInfo(status='trivial', violation=0.0, iterations=0, solver='', intervention=0.0,"
-        " clearance=inf, smallest_h=inf, unsafe_start=False, stuck=array([], dtype=int64))"
+    assert repr(ProjectionInfo(Status.TRIVIAL)) == (
+        "ProjectionInfo(status=<Status.TRIVIAL: 'trivial'>, violation=0.0, iterations=0, solver='',"
+        " intervention=0.0, clearance=inf, smallest_h=inf, unsafe_start=False,"
+        " stuck=array([], dtype=int64))"
     )
-    new = ProjectionInfo("trivial")
+    new = ProjectionInfo(Status.TRIVIAL)
     assert (new.rows, new.nearest_row, new.nearest, new.active, new.violated) == (
         None, -1, None, (), (),
     )  # fmt: skip
     assert not new.deadlocked
-    assert ProjectionInfo("trivial", stuck=np.array([0])).deadlocked
+    assert ProjectionInfo(Status.TRIVIAL, stuck=np.array([0])).deadlocked
 
 
 def test_policies_have_names():

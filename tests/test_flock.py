@@ -17,6 +17,7 @@ from posflock_robotarium.flocking.steering import SteeringParameters
 from posflock_robotarium.logs.run import Run
 from posflock_robotarium.simulation.flock_trial import simulate
 from rps_compat.arena import Arena
+from rps_compat.testbed import GTERNAL
 
 
 def start_of(seed):
@@ -241,3 +242,32 @@ def test_a_summary_in_which_nothing_moved_is_valid_json():
     numbers = summarise(log).as_dict()
     assert numbers["gamma_motion"] is None
     json.dumps(numbers, allow_nan=False)
+
+
+def test_a_trial_drives_and_is_judged_by_its_own_robot_and_arena():
+    arena = (-0.9, 0.8, -0.42, 0.75)
+    kept = replace(EXPERIMENT_CERTIFICATE, boundary=arena)
+    flock, start = Flock(certificate=kept), start_of(0)
+    start[0, 0] = -0.95  # outside of this arena, within the testbed's
+    with pytest.warns(UserWarning, match="wall -x start .* closer"):
+        own = simulate(flock, start, 1.0).log
+    assert own.robot.boundaries == flock.arena == arena
+    assert summarise(own).steps_outside > 0
+    wide = replace(GTERNAL, collision_diameter=0.4)
+    with pytest.warns(UserWarning, match="wall -x start .* closer"):
+        other = simulate(flock, start, 1.0, robot=wide).log
+    assert other.robot == wide
+    assert summarise(other).steps_outside == 0
+    assert summarise(other).collisions > summarise(own).collisions == 0
+
+
+def test_a_trial_lasts_as_long_as_its_log_says():
+    slow = Flock(time_step=0.1)
+    run = simulate(slow, start_of(0), 2.0).log
+    assert run.robot.time_step == 0.1
+    straight = np.abs(run.commands[5:15, 1]) < 0.2
+    ways = np.hypot(*np.moveaxis(np.diff(run.poses[5:16, :2], axis=0), 1, 0))
+    driven = np.abs(run.commands[5:15, 0]) * 0.1
+    assert_allclose(ways[straight], driven[straight], rtol=2e-3, atol=1e-6)
+    with pytest.raises(ParameterError, match=r"0.033 s, and the flock's 0.1 s"):
+        simulate(slow, start_of(0), 2.0, robot=GTERNAL)

@@ -11,14 +11,9 @@ from posflock_robotarium.verify.judge import Runs, judge
 from posflock_robotarium.verify.trials import Ran
 from rps_compat import testbed
 from rps_compat.report import Fault, RunReport
-from rps_compat.running.outcome import (
-    Ended,
-    Failure,
-    Gap,
-    LoopTimes,
-    Outcome,
-    PolicyViolation,
-)
+from rps_compat.running.outcome import Ended, Failure, Gap, LoopTimes, Outcome
+from rps_compat.running.policy_violations import PolicyKind, PolicyViolation
+from rps_compat.violations import FaultKind
 
 QUICK = LoopTimes(0.001, 0.002, 0.003, 0.0, 1.0)
 SLOW = LoopTimes(0.05, 0.06, 0.07, 0.9, 1.0)
@@ -64,7 +59,7 @@ def seen(code):
 
 
 def fault(kind, at=1.0, worst=0.1):
-    return Fault(kind, (0, 1), at, at, worst)
+    return Fault(FaultKind(kind), (0, 1), at, at, worst)
 
 
 def test_a_sound_run_has_no_findings():
@@ -80,7 +75,7 @@ def test_a_sound_run_has_no_findings():
     [
         ({"ended": Ended.FAILED, "error": CRASH}, [("crash", "FAIL")]),
         ({"ended": Ended.OVER_TIME}, [("endless", "RISK")]),
-        ({"policy_violations": (PolicyViolation("fork", "ls"),)}, [("fork", "FAIL")]),
+        ({"policy_violations": (PolicyViolation(PolicyKind.FORK, "ls"),)}, [("fork", "FAIL")]),
         ({"reports": (report_of(faults=[fault("collision")]),)}, [("collision", "FAIL")]),
         ({"reports": (report_of(faults=[fault("boundary")], outside=3),)}, [("boundary", "RISK")]),
         (
@@ -106,7 +101,7 @@ def test_faults_are_told_in_the_order_in_which_a_reader_wants_them():
         data="a",
         ended=Ended.OVER_TIME,
         reports=(report_of(30, [fault(k, worst=20.0) for k in ("boundary", "actuator")], 3, 3),),
-        policy_violations=(PolicyViolation("fork", "ls"),),
+        policy_violations=(PolicyViolation(PolicyKind.FORK, "ls"),),
         initial_gap=Gap(0.14, 0.0, (0, 1)),
         loop=SLOW,
     )
@@ -125,7 +120,7 @@ def test_trials_tell_what_imperfections_bring_out():
     failed = [ran(), ran(ended=Ended.FAILED, error=CRASH)]
     assert judged(trials=failed) == [("crash", "RISK")]
     # What only a trial did against the policy is told as well.
-    networked = [ran(policy_violations=(PolicyViolation("network", "x"),))]
+    networked = [ran(policy_violations=(PolicyViolation(PolicyKind.NETWORK, "x"),))]
     assert judged(trials=networked) == [("network", "RISK")]
 
 
@@ -154,7 +149,7 @@ def test_what_the_source_said_is_not_told_twice():
     silent = ran(finishing_call=False)
     assert judged(silent) == [("no-finishing-call", "RISK")]
     assert judged(silent, known=[seen("no-finishing-call")]) == []
-    forked = ran(policy_violations=(PolicyViolation("fork", "ls"),))
+    forked = ran(policy_violations=(PolicyViolation(PolicyKind.FORK, "ls"),))
     assert judged(forked, known=[seen("fork")]) == []
     lost = {"interrupted": ran()}
     assert judged(ran("a"), known=[seen("save-at-end")], **lost) == []

@@ -8,7 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rps_compat.arena import Arena
-from rps_compat.distributions import Curve, ProfileError, RobotDistribution, constant
+from rps_compat.distributions import (
+    Curve,
+    DistributionKind,
+    ProfileError,
+    RobotDistribution,
+    constant,
+)
 from rps_compat.profiles import (
     NAMES,
     load_profile,
@@ -83,7 +89,8 @@ def test_lag_reaches_63_percent_after_its_time_constant():
 def test_gains_scale_and_depend_on_speed():
     profile = Profile(
         gains=Gains(
-            RobotDistribution("robots", (0.9, 1.1)), by_speed=Curve(((0.05, 0.5), (0.1, 1.0)))
+            RobotDistribution(DistributionKind.ROBOTS, (0.9, 1.1)),
+            by_speed=Curve(((0.05, 0.5), (0.1, 1.0))),
         )
     )
     assert drive(profile, [(0.1, 0.2)], robots=2)[0, 0].tolist() == pytest.approx([0.09, 0.11])
@@ -130,7 +137,9 @@ def test_turn_bias_and_disturbance_need_running_motors():
 
 def test_heading_offset_is_constant_and_of_the_robot():
     seen = see(
-        Profile(heading_offset=HeadingOffset(RobotDistribution("uniform", (-0.03, 0.02)))),
+        Profile(
+            heading_offset=HeadingOffset(RobotDistribution(DistributionKind.UNIFORM, (-0.03, 0.02)))
+        ),
         np.zeros((3, 8)),
         3,
     )
@@ -254,7 +263,7 @@ def test_names_that_do_not_exist_are_refused(tmp_path):
 
 
 def test_values_of_other_robots_are_refused():
-    profile = Profile(gains=Gains(RobotDistribution("robots", (1.0, 1.0))))
+    profile = Profile(gains=Gains(RobotDistribution(DistributionKind.ROBOTS, (1.0, 1.0))))
     with pytest.raises(ProfileError, match="2 robots, but the run has 3"):
         drive(profile, [(0.1, 0.0)], robots=3)
 

@@ -17,7 +17,7 @@ from rps_compat.run_settings import RunSettings
 from rps_compat.runner import run_script
 from rps_compat.running.driver import drive
 from rps_compat.running.outcome import Ended, Outcome
-from rps_compat.running.plan import RunPlan
+from rps_compat.running.plan import ClockPolicy, RunPlan
 from rps_compat.v2.robotarium import Robotarium
 
 HERE = Environment(Path(sys.executable), "this one", {})
@@ -94,7 +94,12 @@ def test_a_watched_run_leaves_the_process_as_it_was(script, capsys, only_start):
     before = dict(vars(Robotarium)), sys.argv, list(sys.path)
     path = script("r.debug()\n")
     plan = RunPlan(
-        str(path), str(path.parent), 2, clock="charged", measures=True, only_start=only_start
+        str(path),
+        str(path.parent),
+        2,
+        clock=ClockPolicy.CHARGED,
+        measures=True,
+        only_start=only_start,
     )
     outcome = drive(plan)
     assert outcome.ended is (Ended.STOPPED if only_start else Ended.FINISHED)

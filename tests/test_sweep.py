@@ -17,9 +17,14 @@ from posflock_robotarium.cli import app
 from posflock_robotarium.flocking.errors import OutputError, ParameterError
 from posflock_robotarium.sweep.execution import batches, compute, execute, locally
 from posflock_robotarium.sweep.experiments import Experiment, find, names, register
+from posflock_robotarium.sweep.parameter_distribution import (
+    ParameterDistribution,
+    Spread,
+    StudyError,
+)
 from posflock_robotarium.sweep.results import finished, interval, outcomes, summary, write_tables
 from posflock_robotarium.sweep.store import Store, StoreError
-from posflock_robotarium.sweep.study import Distribution, StudyError, parse_study, read_study
+from posflock_robotarium.sweep.study import parse_study, read_study
 
 SMALL = {
     "experiment": "freespace",
@@ -127,12 +132,12 @@ def test_a_file_that_is_no_study_is_named(tmp_path):
 def test_distributions_draw_what_they_say():
     generator = np.random.default_rng(0)
     draw = {
-        kind: [Distribution(kind, arguments).draw(generator) for _ in range(2000)]
+        kind: [ParameterDistribution(kind, arguments).draw(generator) for _ in range(2000)]
         for kind, arguments in {
-            "uniform": (2.0, 4.0),
-            "loguniform": (0.01, 100.0),
-            "normal": (5.0, 2.0),
-            "choice": ("a", "b", "c"),
+            Spread.UNIFORM: (2.0, 4.0),
+            Spread.LOGUNIFORM: (0.01, 100.0),
+            Spread.NORMAL: (5.0, 2.0),
+            Spread.CHOICE: ("a", "b", "c"),
         }.items()
     }
     assert min(draw["uniform"]) >= 2.0

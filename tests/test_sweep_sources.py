@@ -21,9 +21,10 @@ from posflock_robotarium.freespace.simulation import FreeSpace, simulate
 from posflock_robotarium.sweep import sources
 from posflock_robotarium.sweep.execution import WorkerError, execute, locally
 from posflock_robotarium.sweep.experiments import Experiment, find, register
+from posflock_robotarium.sweep.parameter_distribution import StudyError
 from posflock_robotarium.sweep.points import register_law
 from posflock_robotarium.sweep.store import Store
-from posflock_robotarium.sweep.study import StudyError, parse_study, read_study
+from posflock_robotarium.sweep.study import parse_study, read_study
 
 ROOT = Path(__file__).resolve().parents[1]
 STUDY = """

@@ -4,16 +4,28 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Literal
 
 import numpy as np
 
 from barrier_certificates.array_types import IntArray
 from barrier_certificates.rows.row_set import Rows
-
-Status = Literal["trivial", "optimal", "relaxed", "failed"]
+from barrier_certificates.word_enum import WordEnum
 
 NO_ROWS: IntArray = np.zeros(0, dtype=np.intp)
+
+
+class Status(WordEnum):
+    """What became of a command; a member equals its word, as ``info.status == "optimal"``."""
+
+    #: It was safe, and is returned as it was.
+    TRIVIAL = "trivial"
+    #: The nearest safe velocity is returned.
+    OPTIMAL = "optimal"
+    #: No safe velocity exists; the one returned breaks the rows least.
+    RELAXED = "relaxed"
+    #: The robots were stopped: policy ``"stop"``, or NaN in poses or command, which leaves the
+    #: other numbers NaN.
+    FAILED = "failed"
 
 
 @dataclass(slots=True, eq=False)
@@ -22,11 +34,8 @@ class ProjectionInfo:
 
     Attributes
     ----------
-    status : str
-        ``"trivial"``: the command was safe and is returned as it was. ``"optimal"``: the nearest
-        safe velocity. ``"relaxed"``: no safe velocity exists, this one breaks the rows least.
-        ``"failed"``: the robots were stopped (policy ``"stop"``, or NaN in poses or command, which
-        leaves the other numbers NaN).
+    status : Status
+        ``"trivial"``, ``"optimal"``, ``"relaxed"`` or ``"failed"``.
     violation : float
         Largest excess over all rows at the velocity returned, m/s; zero if all hold.
     iterations : int

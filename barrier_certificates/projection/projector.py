@@ -17,7 +17,7 @@ from barrier_certificates.projection.infeasible import (
     furthest_from_holding,
     least_broken,
 )
-from barrier_certificates.projection.projection_info import NO_ROWS, ProjectionInfo
+from barrier_certificates.projection.projection_info import NO_ROWS, ProjectionInfo, Status
 from barrier_certificates.projection.scaled_program import TOLERANCE, Program
 from barrier_certificates.projection.working_set import WorkingSet
 from barrier_certificates.rows.row_set import Rows
@@ -110,8 +110,10 @@ class Projector:
             return self.refuse(desired)
         if program.worst <= TOLERANCE:
             self._search.forget()
-            return desired.copy(), ProjectionInfo("trivial", max(program.worst, 0.0), rows=rows)
-        info = ProjectionInfo("optimal", rows=rows)
+            return desired.copy(), ProjectionInfo(
+                Status.TRIVIAL, max(program.worst, 0.0), rows=rows
+            )
+        info = ProjectionInfo(Status.OPTIMAL, rows=rows)
         program = program.scaled()
         velocity = self._answer(program, info).reshape(-1, 2).T.copy()
         if program.unit != 1.0:
@@ -132,9 +134,9 @@ class Projector:
             point = least_broken(program, self._search, info)
         if point is None:
             point = np.zeros_like(program.target)
-            info.status, info.solver, info.binding = "failed", "", NO_ROWS
+            info.status, info.solver, info.binding = Status.FAILED, "", NO_ROWS
         else:
-            info.status = "relaxed"
+            info.status = Status.RELAXED
         excess = program.rows.excess(point)
         order = furthest_first(excess)
         info.broken = order[excess[order] > TOLERANCE]
@@ -164,7 +166,7 @@ class Projector:
         self._search.forget()
         if self.on_infeasible == "raise":
             raise NotFiniteError("poses or commands hold NaN or infinity; expected finite numbers")
-        unknown = ProjectionInfo("failed", math.nan, intervention=math.nan)
+        unknown = ProjectionInfo(Status.FAILED, math.nan, intervention=math.nan)
         unknown.smallest_h = unknown.clearance = math.nan
         return np.zeros_like(desired), unknown
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from posflock_robotarium.alignment.measured_run import MeasuredRun
 from rps_compat.arena import violations_of
-from rps_compat.violations import Kind, Violations
+from rps_compat.violations import FaultKind, Violations
 
 DOUBTFUL = 1e-6
 """Metres from a wall, or beyond the collision diameter, within which the arena is asked."""
@@ -31,14 +31,14 @@ def faults_of(run: MeasuredRun) -> Violations:
     return violations_of(run.recording.poses, run.robot, np.flatnonzero(doubtful).tolist())
 
 
-def count(run: MeasuredRun, kind: Kind) -> int:
+def count(run: MeasuredRun, kind: FaultKind) -> int:
     """Return how many faults of a kind there were, each counted once however long it lasted.
 
     Parameters
     ----------
     run : MeasuredRun
         The run; its robot and arena hold the limits, m.
-    kind : {'collision', 'boundary'}
+    kind : FaultKind
         Two robots too close, or a robot's centre outside the arena; poses show no other kind.
     """
-    return sum(event.kind == kind for event in run.once(faults_of).events)
+    return sum(event.kind is kind for event in run.once(faults_of).events)

@@ -9,16 +9,24 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
 from barrier_certificates import ties
+from barrier_certificates.word_enum import WordEnum
 from posflock_robotarium.alignment.metric_registry import Number
 from posflock_robotarium.alignment.metrics import SMOOTHING_POINTS
 from posflock_robotarium.logs.run import How, Run
 
-Mark = Literal["good", "caution", "bad", "unknown"]
+
+class Mark(WordEnum):
+    """How a run does."""
+
+    GOOD = "good"
+    CAUTION = "caution"
+    BAD = "bad"
+    UNKNOWN = "unknown"
+
 
 MOSTLY = 0.5
 """A flock of which more than this share stands, stands."""
@@ -46,7 +54,7 @@ class Verdict:
     ----------
     question : str
         What it answers.
-    mark : {'good', 'caution', 'bad', 'unknown'}
+    mark : Mark
         How the run does.
     answer : str
         A few words.
@@ -107,13 +115,15 @@ def _aligned(v: Mapping[str, float], threshold: float, slowest: float) -> Verdic
     question = "Did the flock align?"
     motion, headings = v["gamma_motion"], v["gamma_headings"]
     if v["robots"] < 2:
-        return Verdict(question, "unknown", "One robot has nobody to align with.", "", "alone")
+        return Verdict(question, Mark.UNKNOWN, "One robot has nobody to align with.", "", "alone")
     if v["left_out_headings"] >= 1.0:
         because = "γ is undefined without neighbours."
-        return Verdict(question, "unknown", "No robot had a neighbour.", because, "no neighbours")
+        return Verdict(
+            question, Mark.UNKNOWN, "No robot had a neighbour.", because, "no neighbours"
+        )
     if v["samples"] < FEWEST_SAMPLES:
         because = f"{int(v['samples'])} poses over time do not tell motion from tracking noise."
-        return Verdict(question, "unknown", "Too short to tell.", because, "too short")
+        return Verdict(question, Mark.UNKNOWN, "Too short to tell.", because, "too short")
     if ties.beyond(v["standing"], MOSTLY) or ties.beyond(v["standing_end"], MOSTLY):
         return _parked(v, threshold, slowest)
     because = f"{_both(motion, headings)}. {_when(v, threshold)}"
@@ -129,18 +139,20 @@ def _aligned(v: Mapping[str, float], threshold: float, slowest: float) -> Verdic
             because += f" {stood} of {v['robots']:g} robots stood over half the time."
         many_stand = stood or ties.beyond(v["standing"], SOME)
         if many_stand or ties.beyond(v["left_out_motion"], 0.25):
-            return Verdict(question, "caution", "Those that moved did.", because, "partly aligned")
+            return Verdict(
+                question, Mark.CAUTION, "Those that moved did.", because, "partly aligned"
+            )
         if ties.short_of(v["steadiness_motion"], 0.75):
             answer = "On average, not steadily."
-            return Verdict(question, "caution", answer, because, "unsteadily aligned")
-        return Verdict(question, "good", "Yes.", because, "aligned")
+            return Verdict(question, Mark.CAUTION, answer, because, "unsteadily aligned")
+        return Verdict(question, Mark.GOOD, "Yes.", because, "aligned")
     if points_aligned:
         answer = "No: headings are parallel, motion is not."
-        return Verdict(question, "bad", answer, because, "not aligned in motion")
+        return Verdict(question, Mark.BAD, answer, because, "not aligned in motion")
     if moves_aligned:
         answer = "Motion did, headings did not: some drive backwards, or headings are wrong."
-        return Verdict(question, "caution", answer, because, "aligned in motion only")
-    return Verdict(question, "bad", "No.", because, "not aligned")
+        return Verdict(question, Mark.CAUTION, answer, because, "aligned in motion only")
+    return Verdict(question, Mark.BAD, "No.", because, "not aligned")
 
 
 def _parked(v: Mapping[str, float], threshold: float, slowest: float) -> Verdict:
@@ -167,7 +179,7 @@ def _parked(v: Mapping[str, float], threshold: float, slowest: float) -> Verdict
         if math.isnan(motion)
         else f"γ from motion is {_g(motion)}, over the robots that move."
     )
-    return Verdict("Did the flock align?", "bad", answer, because, short)
+    return Verdict("Did the flock align?", Mark.BAD, answer, because, short)
 
 
 def _both(motion: float, headings: float) -> str:
@@ -188,21 +200,21 @@ def _when(v: Mapping[str, float], threshold: float) -> str:
 def _together(v: Mapping[str, float]) -> Verdict:
     question = "Did it stay together?"
     if v["robots"] < 2:
-        return Verdict(question, "unknown", "One robot.", "")
+        return Verdict(question, Mark.UNKNOWN, "One robot.", "")
     ratio = v["cohesive_radius_ratio"]
     varying = "" if math.isnan(ratio) else f", varying by a factor of {ratio:.2f}"
     radius = f"The cohesive radius is {v['cohesive_radius']:.2f} m{varying}."
     if v["components"] <= 1:
         because = f"Algebraic connectivity never below {v['algebraic_connectivity']:.2g}. {radius}"
-        return Verdict(question, "good", "Yes, one group throughout.", because, "together")
+        return Verdict(question, Mark.GOOD, "Yes, one group throughout.", because, "together")
     share = v["connected"]
     because = (
         f"One group for {_pc(share)} of the time, up to {int(v['components'])} groups. {radius}"
     )
     if ties.reached(share, 0.9):
-        return Verdict(question, "caution", "Nearly always.", because, "mostly together")
+        return Verdict(question, Mark.CAUTION, "Nearly always.", because, "mostly together")
     answer = "No." if ties.short_of(share, MOSTLY) else "Not always."
-    return Verdict(question, "bad", answer, because, "split")
+    return Verdict(question, Mark.BAD, answer, because, "split")
 
 
 def _safe(v: Mapping[str, float]) -> Verdict:
@@ -229,8 +241,8 @@ def _safe(v: Mapping[str, float]) -> Verdict:
         )
     faults = " and ".join(f"{n} {word}{'s' if n > 1 else ''}" for n, word in counts if n)
     if faults:
-        return Verdict(question, "bad", f"No: {faults}.", because, f"unsafe: {faults}")
-    return Verdict(question, "good", "Yes: no collision, nobody outside.", because, "safe")
+        return Verdict(question, Mark.BAD, f"No: {faults}.", because, f"unsafe: {faults}")
+    return Verdict(question, Mark.GOOD, "Yes: no collision, nobody outside.", because, "safe")
 
 
 def _limits(v: Mapping[str, float]) -> Iterator[Verdict]:
@@ -238,7 +250,7 @@ def _limits(v: Mapping[str, float]) -> Iterator[Verdict]:
     if "wheel_excess" not in v:
         yield Verdict(
             question,
-            "unknown",
+            Mark.UNKNOWN,
             "Unknown: no commands in the log.",
             "Wheel limits, stalls and interventions cannot be judged from poses.",
         )
@@ -263,12 +275,12 @@ def _limits(v: Mapping[str, float]) -> Iterator[Verdict]:
         text = "; ".join(faults)
         yield Verdict(
             question,
-            "bad" if v["wheel_excess"] > 0 else "caution",
+            Mark.BAD if v["wheel_excess"] > 0 else Mark.CAUTION,
             "Not throughout.",
             f"{text[0].upper()}{text[1:]}. {helped}".strip(),
         )
     else:
-        yield Verdict(question, "good", "Yes.", f"No wheel over its limit, no stall. {helped}")
+        yield Verdict(question, Mark.GOOD, "Yes.", f"No wheel over its limit, no stall. {helped}")
 
 
 def _in_degrees(recording: Run, v: Mapping[str, float]) -> Verdict | None:
@@ -278,7 +290,7 @@ def _in_degrees(recording: Run, v: Mapping[str, float]) -> Verdict | None:
         return None
     return Verdict(
         SURE,
-        "bad",
+        Mark.BAD,
         "Not at all: headings seem to be in degrees.",
         f"They begin at up to {first:.3g}, which is no angle in radians, and robots do not move "
         "along them: convert them with numpy.radians, and report again.",
@@ -290,7 +302,7 @@ def _sure(v: Mapping[str, float]) -> Verdict:
     if v["heading_offset"] > WRONG_HEADINGS:
         return Verdict(
             question,
-            "bad",
+            Mark.BAD,
             "Not at all: headings and motion disagree.",
             f"Robots move at {math.degrees(v['heading_offset']):.0f}° to their headings, which "
             "wheels cannot do: are headings in radians, and columns in the right order?",
@@ -303,12 +315,12 @@ def _sure(v: Mapping[str, float]) -> Verdict:
         else ""
     )
     if math.isnan(noise):
-        return Verdict(question, "unknown", "Too short to measure the noise.", gaps.strip())
+        return Verdict(question, Mark.UNKNOWN, "Too short to measure the noise.", gaps.strip())
     tracked = f"Tracking noise, measured in this log, is {_length(noise)}"
     if math.isnan(course):
         return Verdict(
             question,
-            "caution",
+            Mark.CAUTION,
             "Directions of motion are undefined.",
             f"{tracked}; nothing moves.{gaps}",
         )
@@ -320,11 +332,11 @@ def _sure(v: Mapping[str, float]) -> Verdict:
     if ties.beyond(v["left_out_motion"], 0.25):
         answer = "γ from motion speaks for few robots."
         return Verdict(
-            question, "caution", answer, f"It leaves out {_pc(v['left_out_motion'])}. {because}"
+            question, Mark.CAUTION, answer, f"It leaves out {_pc(v['left_out_motion'])}. {because}"
         )
     if bias > 0.02:
-        return Verdict(question, "caution", "γ from motion is noisy.", because)
-    return Verdict(question, "good", "The estimate is sharp.", because)
+        return Verdict(question, Mark.CAUTION, "γ from motion is noisy.", because)
+    return Verdict(question, Mark.GOOD, "The estimate is sharp.", because)
 
 
 def _complete(recording: Run, v: Mapping[str, float]) -> Iterator[Verdict]:
@@ -336,15 +348,15 @@ def _complete(recording: Run, v: Mapping[str, float]) -> Iterator[Verdict]:
     if recording.doubts:
         first, *others = recording.doubts
         because = " ".join(f"{doubt[0].upper()}{doubt[1:]}." for doubt in others)
-        yield Verdict(question, "bad", f"No: {first}.", f"{length}. {because}".strip())
+        yield Verdict(question, Mark.BAD, f"No: {first}.", f"{length}. {because}".strip())
     elif ending is not None and ending.how is How.FINISHED:
-        yield Verdict(question, "good", "Yes, the run finished.", f"{length}.")
+        yield Verdict(question, Mark.GOOD, "Yes, the run finished.", f"{length}.")
     elif ending is not None:
         killed = ending.how is How.RUNNING
         words = "it was killed, or still goes on" if killed else ending.how.value
-        yield Verdict(question, "caution", f"No: {words}.", f"{length}. {ending.reason}".strip())
+        yield Verdict(question, Mark.CAUTION, f"No: {words}.", f"{length}. {ending.reason}".strip())
     elif planned is not None and ties.short_of(v["duration"], 0.95 * planned):
-        yield Verdict(question, "caution", "Shorter than planned.", f"{length}.")
+        yield Verdict(question, Mark.CAUTION, "Shorter than planned.", f"{length}.")
 
 
 def _g(gamma: float) -> str:

@@ -13,7 +13,7 @@ from posflock_robotarium.calibration.fit import LEAST_LAG, Fit
 from posflock_robotarium.calibration.increments import increments_of, time_step_of
 from posflock_robotarium.calibration.tracking import heading_offsets, lateral_jitter
 from posflock_robotarium.logs.run import Run
-from rps_compat.distributions import RobotDistribution, constant
+from rps_compat.distributions import DistributionKind, RobotDistribution, constant
 from rps_compat.realism import (
     DeadTime,
     Disturbance,
@@ -108,12 +108,14 @@ class Calibration:
         def robots(estimates: tuple[Estimate, ...], least: float = -math.inf) -> RobotDistribution:
             values = [e.value for e in estimates]
             if not pooled:
-                return RobotDistribution("robots", tuple(values))
+                return RobotDistribution(DistributionKind.ROBOTS, tuple(values))
             spread = float(np.std(values, ddof=1)) if len(values) > 1 else 0.0
             spread = min(spread, (float(np.mean(values)) - least) / 3)
             if spread == 0.0:
                 return constant(float(np.mean(values)))
-            return RobotDistribution("normal", (float(np.mean(values)), spread), 3 * spread)
+            return RobotDistribution(
+                DistributionKind.NORMAL, (float(np.mean(values)), spread), 3 * spread
+            )
 
         return Profile(
             name=name,

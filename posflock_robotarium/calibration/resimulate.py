@@ -10,6 +10,7 @@ import numpy as np
 from posflock_robotarium.calibration.increments import NO_COMMANDS, time_step_of
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.logs.run import Run
+from rps_compat.distributions import DistributionKind
 from rps_compat.realism import Profile
 from rps_compat.whole_files import write_whole
 
@@ -66,7 +67,10 @@ def resimulate(log: Run, profile: Profile, seed: int = 0) -> Run:
 
     dt = time_step_of(log, None)
     start = log.poses[0].copy()
-    if profile.heading_offset is not None and profile.heading_offset.radians.kind == "robots":
+    if (
+        profile.heading_offset is not None
+        and profile.heading_offset.radians.kind is DistributionKind.ROBOTS
+    ):
         # The log's first headings have the offset already, which the profile will add.
         start[2] -= profile.heading_offset.radians.draw(log.robots, np.random.default_rng(seed))
     arena = Arena(start, log.robot, realism=profile.start(), rng=np.random.default_rng(seed))

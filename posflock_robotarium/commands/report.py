@@ -4,6 +4,7 @@ import contextlib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from posflock_robotarium.alignment.verdicts import Mark
 from posflock_robotarium.commands import options
 from posflock_robotarium.commands.terminal import say
 
@@ -252,6 +253,6 @@ def _print_verdicts(analyses: list["Analysis"]) -> None:
     for analysis in analyses:
         say(f"{analysis.name}")
         for verdict in analysis.verdicts:
-            say(f"  {verdict.mark:8s} {verdict.question} {verdict.answer}")
-            if verdict.because and verdict.mark != "good":
+            say(f"  {verdict.mark:8} {verdict.question} {verdict.answer}")
+            if verdict.because and verdict.mark is not Mark.GOOD:
                 say(f"           {verdict.because}")

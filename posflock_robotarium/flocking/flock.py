@@ -37,6 +37,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from barrier_certificates import ties
 from barrier_certificates.guarantee import largest_gain, largest_wall_gain
+from barrier_certificates.projection import Status
 from barrier_certificates.rows import VelocityPolygon
 from barrier_certificates.unicycle import UnicycleCertificate
 from posflock_robotarium.flocking.errors import ParameterError
@@ -82,8 +83,8 @@ class FlockStep:
     ----------
     command : (2, N) array
         v in m/s and ω in rad/s, for ``set_velocities``.
-    status : str
-        What the certificate said: trivial, optimal, relaxed or failed.
+    status : Status
+        What the certificate said.
     intervention : float
         How far it changed a robot's velocity at most, m/s.
     clearance : float
@@ -96,7 +97,7 @@ class FlockStep:
     """
 
     command: Floats
-    status: str
+    status: Status
     intervention: float
     clearance: float
     active: tuple[str, ...]
@@ -190,6 +191,11 @@ class Flock:
         self.filter.reset()
         self.certificate.reset()
 
+    @property
+    def arena(self) -> tuple[float, float, float, float]:
+        """Where it keeps the robots: least and greatest x, least and greatest y, m."""
+        return self._steering.arena
+
     def parameters(self) -> dict[str, Any]:
         """Return everything a log must say to repeat the run, ready for JSON."""
         return {
@@ -201,7 +207,7 @@ class Flock:
             "filtering": asdict(self.filter.parameters),
             "neighbour_radius": self.law.as_dict()["radius"],
             "neighbour_hysteresis": self._neighbours.hysteresis,
-            "arena": list(self._steering.arena),
+            "arena": list(self.arena),
         }
 
     def steps_in(self, duration: float) -> int:

@@ -25,13 +25,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
-from enum import Enum
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from barrier_certificates import ties
+from barrier_certificates.word_enum import WordEnum
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.law import (
     PAPER_SIMULATION,
@@ -49,7 +49,7 @@ Seed = int | np.random.SeedSequence | np.random.Generator
 _CACHED_NUMBERS = 20_000
 
 
-class Model(str, Enum):
+class Model(WordEnum):
     """The three models the paper compares."""
 
     VELOCITY = "velocity"

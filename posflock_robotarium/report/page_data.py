@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from posflock_robotarium.alignment.analysis import Analysis
 from posflock_robotarium.alignment.catalogue import Metric, Panel, metrics, panels
+from rps_compat.violations import FaultKind
 
 Floats = NDArray[np.float64]
 
@@ -31,20 +32,20 @@ EVENTS_SHOWN = 200
 
 
 @dataclass(frozen=True)
-class Mark:
+class EventMark:
     """A fault on the time axis of the replay.
 
     Attributes
     ----------
-    kind : str
-        ``collision`` or ``boundary``.
+    kind : FaultKind
+        A collision, or a robot outside.
     robots : tuple of int
         Whom it concerns, counted from 0.
     t, end : float
         When it began and when it was over, s.
     """
 
-    kind: str
+    kind: FaultKind
     robots: tuple[int, ...]
     t: float
     end: float
@@ -72,7 +73,7 @@ class Replay:
         Diameter, and how far ahead of the centre, metres.
     radius : list of float
         Neighbour radius of each robot, metres.
-    events : tuple of Mark
+    events : tuple of EventMark
         Faults, the first `EVENTS_SHOWN`.
     """
 
@@ -87,7 +88,7 @@ class Replay:
     arena: tuple[float, ...]
     collision: tuple[float, float]
     radius: list[float]
-    events: tuple[Mark, ...]
+    events: tuple[EventMark, ...]
 
 
 @dataclass(frozen=True)
@@ -248,7 +249,7 @@ def _replay(analysis: Analysis, budget: int) -> Replay:
         collision=(robot.collision_diameter, robot.collision_offset),
         radius=np.broadcast_to(np.asarray(analysis.options.radius, float), robots).tolist(),
         events=tuple(
-            Mark(
+            EventMark(
                 event.kind,
                 event.robots,
                 float(recording.t[event.first]),

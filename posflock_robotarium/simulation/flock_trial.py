@@ -12,11 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.flock import Flock
 from posflock_robotarium.flocking.pose_log import row_type
 from posflock_robotarium.logs.run import How, Run
 from rps_compat.arena import Arena
 from rps_compat.arena_guests import Realism
+from rps_compat.testbed import GRITSBOT_X, RobotModel
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +46,7 @@ def simulate(
     start: ArrayLike,
     duration: float,
     *,
+    robot: RobotModel | None = None,
     realism: Realism | None = None,
     seed: int = 0,
 ) -> Trial:
@@ -57,6 +60,9 @@ def simulate(
         First poses, metres and radians.
     duration : float
         Seconds.
+    robot : RobotModel, optional
+        The robots and the arena that they drive in and are judged by; by default GRITSBot X in the
+        arena, and with the time step, that the flock is made for.
     realism : Realism, optional
         Imperfections of motors and tracking; none in the ideal arena.
     seed : int
@@ -65,11 +71,19 @@ def simulate(
     Raises
     ------
     ParameterError
-        Where the start or the duration means nothing.
+        Where the start or the duration means nothing, or the robots' time step is not the flock's.
     """
+    if robot is None:
+        robot = replace(GRITSBOT_X, boundaries=flock.arena, time_step=flock.time_step)
+    if robot.time_step != flock.time_step:
+        raise ParameterError(
+            f"robot: its time step is {robot.time_step:g} s, and the flock's {flock.time_step:g} s;"
+            " make the flock with the robot's"
+        )
     flock.reset()
     steps = flock.steps_in(duration)
-    arena = Arena(np.asarray(start, dtype=float), realism=realism, rng=np.random.default_rng(seed))
+    rng = np.random.default_rng(seed)
+    arena = Arena(np.asarray(start, dtype=float), robot, realism=realism, rng=rng)
     rows = np.zeros(steps, dtype=row_type(arena.number_of_robots))
     true_poses = np.empty((steps, 3, arena.number_of_robots))
     for step in range(steps):

@@ -40,6 +40,7 @@ from posflock_robotarium.submission.returned_files import (
 from rps_compat import testbed
 from rps_compat.running.outcome import Ended, Outcome
 from rps_compat.running.plan import RunPlan
+from rps_compat.running.policy_violations import PolicyKind
 from rps_compat.scripts import import_graph
 
 if TYPE_CHECKING:
@@ -213,7 +214,7 @@ def _plan(
         profile=profile_to_dict(chosen) if chosen.effects else None,
         wait=False,
         keeps_apart=False,
-        forbidden=("network",),
+        forbidden=(PolicyKind.NETWORK,),
         forbidden_to_libraries=True,
         longest=duration,
         kills_deaf=True,

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import shutil
 from dataclasses import dataclass
-from enum import Enum
 from pathlib import Path
 
+from barrier_certificates.word_enum import WordEnum
 from rps_compat.whole_files import write_whole, written_together
 
 
-class FileState(str, Enum):
+class FileState(WordEnum):
     """What a file that came back is found to be."""
 
     POSE_LOG = "pose log"

@@ -37,15 +37,20 @@ import itertools
 import json
 import math
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from posflock_robotarium.flocking.errors import ParameterError, PosflockError
+from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.sweep.experiments import Experiment, Value, find
+from posflock_robotarium.sweep.parameter_distribution import (
+    ParameterDistribution,
+    StudyError,
+    read_distribution,
+)
 from posflock_robotarium.sweep.sources import ModuleError, code_of, load
 from rps_compat.bounded_files import read_bounded
 
@@ -57,10 +62,6 @@ else:
 
 #: Runs of one study: their descriptions alone take a gigabyte.
 MOST_RUNS = 1_000_000
-
-
-class StudyError(PosflockError):
-    """A study file asks for something that cannot be run."""
 
 
 @dataclass(frozen=True)
@@ -147,7 +148,7 @@ class Study:
     common_random_numbers: bool = False
     parameters: Mapping[str, Value] = field(default_factory=dict)
     grid: Mapping[str, list[Value]] = field(default_factory=dict)
-    distributions: Mapping[str, Distribution] = field(default_factory=dict)
+    distributions: Mapping[str, ParameterDistribution] = field(default_factory=dict)
     figures: tuple[Figure, ...] = ()
     module: Path | None = None
 
@@ -234,74 +235,6 @@ def _digest(identity: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()[:16]
 
 
-@dataclass(frozen=True)
-class Distribution:
-    """How a parameter is drawn.
-
-    Attributes
-    ----------
-    kind : {"uniform", "loguniform", "normal", "choice"}
-        Uniform, and uniform in the logarithm, from low to high; normal with mean and
-        standard deviation; or any of a list.
-    arguments : tuple
-        Two numbers, or the list to choose from.
-
-    Raises
-    ------
-    StudyError
-        Where there is no such kind, or its arguments make no sense.
-    """
-
-    kind: str
-    arguments: tuple[Value, ...]
-
-    def __post_init__(self) -> None:
-        if self.kind not in _DRAWS:
-            raise StudyError(
-                f"distributions: expected one of {', '.join(_DRAWS)}; got {self.kind!r}"
-            )
-        if self.kind == "choice":
-            if not self.arguments:
-                raise StudyError("choice: expected a list of at least one value, got none")
-            return
-        numbers = [a for a in self.arguments if isinstance(a, (int, float))]
-        if len(numbers) != 2 or len(self.arguments) != 2:
-            raise StudyError(f"{self.kind}: expected two numbers, got {list(self.arguments)}")
-        first, second = numbers
-        if self.kind == "normal" and second < 0.0:
-            raise StudyError(f"normal: expected a deviation of zero or more, got {second}")
-        if self.kind != "normal" and not first <= second:
-            raise StudyError(f"{self.kind}: expected low ≤ high, got {first} and {second}")
-        if self.kind == "loguniform" and first <= 0.0:
-            raise StudyError(f"loguniform: expected numbers above zero, got {first}")
-
-    def as_dict(self) -> dict[str, list[Value]]:
-        """Return the distribution as a study file writes it."""
-        return {self.kind: list(self.arguments)}
-
-    def examples(self) -> tuple[Value, ...]:
-        """Return values of every type that may be drawn, and the least and the greatest."""
-        return self.arguments if self.kind == "choice" else (0.5, *map(float, self.arguments))
-
-    def draw(self, generator: np.random.Generator) -> Value:
-        """Draw one value.
-
-        Parameters
-        ----------
-        generator : Generator
-            Where it is drawn from.
-        """
-        return _DRAWS[self.kind](generator, self.arguments)
-
-
-_DRAWS: dict[str, Callable[[np.random.Generator, Any], Value]] = {
-    "uniform": lambda generator, a: float(generator.uniform(a[0], a[1])),
-    "loguniform": lambda generator, a: float(np.exp(generator.uniform(np.log(a[0]), np.log(a[1])))),
-    "normal": lambda generator, a: float(generator.normal(a[0], a[1])),
-    "choice": lambda generator, a: a[int(generator.integers(len(a)))],
-}
-
-
 def read_study(path: Path) -> Study:
     """Read a study file.
 
@@ -368,23 +301,13 @@ def parse_study(said: Mapping[str, Any], folder: Path = Path()) -> Study:
         experiment=find(said["experiment"]),
         parameters=said.get("parameters", {}),
         grid=said.get("grid", {}),
-        distributions={n: _distribution(n, d) for n, d in said.get("distributions", {}).items()},
+        distributions={
+            n: read_distribution(n, d) for n, d in said.get("distributions", {}).items()
+        },
         figures=tuple(_figure(figure) for figure in said.get("figures", ())),
         module=module,
         **{name: said[name] for name in shapes if name not in chosen and name in said},
     )
-
-
-def _distribution(name: str, said: Any) -> Distribution:
-    if not isinstance(said, dict) or len(said) != 1:
-        raise StudyError(
-            f"distributions.{name}: expected one distribution such as"
-            f" {{ uniform = [0.0, 1.0] }}, got {said!r}"
-        )
-    ((kind, arguments),) = said.items()
-    if not isinstance(arguments, list):
-        raise StudyError(f"distributions.{name}: expected a list for {kind}, got {arguments!r}")
-    return Distribution(kind, tuple(arguments))
 
 
 def _figure(said: Any) -> Figure:

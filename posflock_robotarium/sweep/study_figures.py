@@ -11,10 +11,11 @@ import numpy as np
 
 from posflock_robotarium.figures.look import Look
 from posflock_robotarium.figures.style import BLACK, BLUE, GREEN, ORANGE, in_style, new_figure, save
+from posflock_robotarium.sweep.parameter_distribution import StudyError
 from posflock_robotarium.sweep.results import interval, outcomes, succeeded
 from posflock_robotarium.sweep.store import Row
 from posflock_robotarium.sweep.study import Figure as Asked
-from posflock_robotarium.sweep.study import Study, StudyError
+from posflock_robotarium.sweep.study import Study
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

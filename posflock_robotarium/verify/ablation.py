@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.verify import static
-from posflock_robotarium.verify.findings import Code
 from rps_compat.running.outcome import Ended
 from rps_compat.scripts.evidence import evidence_of
+from rps_compat.violations import FaultKind
 
 if TYPE_CHECKING:
     from posflock_robotarium.verify.trials import Limits
@@ -110,8 +110,8 @@ def ablate(
             Ablation(
                 name,
                 len(own),
-                sum(bool(o.faults(Code.COLLISION)) for o in own),
-                sum(bool(o.faults(Code.BOUNDARY)) for o in own),
+                sum(bool(o.faults(FaultKind.COLLISION)) for o in own),
+                sum(bool(o.faults(FaultKind.BOUNDARY)) for o in own),
                 sum(o.ended not in (Ended.FINISHED, Ended.OVER_TIME) for o in own),
                 min((o.smallest_gap.metres for o in own if o.smallest_gap), default=None),
             )

@@ -6,9 +6,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from posflock_robotarium.verify.findings import Code, wilson_interval
+from posflock_robotarium.verify.findings import wilson_interval
 from posflock_robotarium.verify.timing import recommended_duration
 from rps_compat import testbed
+from rps_compat.violations import FaultKind
 
 if TYPE_CHECKING:
     from rps_compat.running.outcome import Gap, LoopTimes, Outcome
@@ -140,8 +141,8 @@ def figures_of(ideal: Outcome, trials: Sequence[Outcome]) -> Figures | None:
         largest_wheel_speed=report.largest_wheel_velocity,
         gap=Smallest(metres(ideal.smallest_gap), _least(o.smallest_gap for o in ran)),
         wall_gap=Smallest(metres(ideal.wall_gap), _least(o.wall_gap for o in ran)),
-        collisions=_hits(ran, Code.COLLISION),
-        outside=_hits(ran, Code.BOUNDARY),
+        collisions=_hits(ran, FaultKind.COLLISION),
+        outside=_hits(ran, FaultKind.BOUNDARY),
     )
 
 
@@ -160,5 +161,5 @@ def _least(gaps: Iterable[Gap | None]) -> float | None:
     return min((gap.metres for gap in gaps if gap is not None), default=None)
 
 
-def _hits(ran: Sequence[Outcome], kind: Code) -> Hits | None:
+def _hits(ran: Sequence[Outcome], kind: FaultKind) -> Hits | None:
     return Hits(sum(bool(outcome.faults(kind)) for outcome in ran), len(ran)) if ran else None

@@ -13,6 +13,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+from barrier_certificates.word_enum import WordEnum
 from rps_compat import testbed
 
 
@@ -25,7 +26,7 @@ class Verdict(enum.IntEnum):
     FAIL = 3
 
 
-class Code(str, enum.Enum):
+class Code(WordEnum):
     """What a finding is about: a name that stays, for programs, and the same in words."""
 
     about: str
@@ -36,9 +37,6 @@ class Code(str, enum.Enum):
         code._value_ = name
         code.about = about
         return code
-
-    def __str__(self) -> str:
-        return str(self.value)
 
     # Seen in the source.
     SYNTAX = "syntax", "not valid Python"

@@ -24,12 +24,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from posflock_robotarium.verify.findings import Code
 from posflock_robotarium.verify.request import Request
 from posflock_robotarium.verify.trial import OUTCOME, run_trial
 from rps_compat.running.driver import VIOLATIONS
-from rps_compat.running.outcome import Ended, Failure, Outcome, PolicyViolation
+from rps_compat.running.outcome import Ended, Failure, Outcome
 from rps_compat.running.plan import RunPlan
+from rps_compat.running.policy_violations import PolicyKind, PolicyViolation, read_violation
 from rps_compat.running.schedule import open_pulse, read_pulse
 
 #: Signals that end the fork server.
@@ -169,7 +169,7 @@ def _outcome(child: _Child, status: int, overdue: bool, left: bool) -> Outcome:
         outcome = replace(outcome, ended=Ended.HUNG)
     violations = _violations(child.watched / VIOLATIONS)
     if left:
-        violations.append(PolicyViolation(Code.FORK.value, "left processes running"))
+        violations.append(PolicyViolation(PolicyKind.FORK, "left processes running"))
     folder = Path(child.plan.folder)
     return replace(outcome, policy_violations=tuple(violations), files=_files(folder))
 
@@ -178,7 +178,7 @@ def _violations(record: Path) -> list[PolicyViolation]:
     """Read what a trial put on record at once: it may have been killed since."""
     if not record.exists():
         return []
-    return [PolicyViolation(**json.loads(line)) for line in record.read_text().splitlines()]
+    return [read_violation(json.loads(line)) for line in record.read_text().splitlines()]
 
 
 def _obituary(child: _Child, status: int, overdue: bool) -> Outcome:

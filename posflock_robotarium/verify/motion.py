@@ -10,6 +10,7 @@ from posflock_robotarium.verify.endings import is_explained
 from posflock_robotarium.verify.findings import Code, Finding, Verdict, count, wilson_interval
 from rps_compat import testbed
 from rps_compat.running.outcome import Ended, Outcome
+from rps_compat.violations import FaultKind
 
 
 def judge_collisions(ideal: Outcome, trials: Sequence[Outcome]) -> Iterator[Finding]:
@@ -25,7 +26,7 @@ def judge_collisions(ideal: Outcome, trials: Sequence[Outcome]) -> Iterator[Find
     advice = (
         "keep centres at least 0.15 m apart: use a barrier certificate, with a larger safety radius"
     )
-    first = _first(ideal, Code.COLLISION)
+    first = _first(ideal, FaultKind.COLLISION)
     if first and _starts_in_collision(ideal):
         return  # told of as a start
     if first:
@@ -41,7 +42,7 @@ def judge_collisions(ideal: Outcome, trials: Sequence[Outcome]) -> Iterator[Find
             unit="m between collision points",
         )
         return
-    yield from _proportion(Code.COLLISION, trials, advice, "robots collide")
+    yield from _proportion(FaultKind.COLLISION, trials, advice, "robots collide")
 
 
 def judge_boundary(ideal: Outcome, trials: Sequence[Outcome]) -> Iterator[Finding]:
@@ -55,7 +56,7 @@ def judge_boundary(ideal: Outcome, trials: Sequence[Outcome]) -> Iterator[Findin
         The runs with imperfections.
     """
     advice = "keep robots inside: use a certificate with boundary, or smaller goals"
-    first, report = _first(ideal, Code.BOUNDARY), ideal.report
+    first, report = _first(ideal, FaultKind.BOUNDARY), ideal.report
     if first and report:
         many = report.steps_outside > testbed.TOLERATED_VIOLATIONS
         yield Finding(
@@ -69,21 +70,21 @@ def judge_boundary(ideal: Outcome, trials: Sequence[Outcome]) -> Iterator[Findin
             unit="m outside",
         )
         return
-    yield from _proportion(Code.BOUNDARY, trials, advice, "robots leave the arena")
+    yield from _proportion(FaultKind.BOUNDARY, trials, advice, "robots leave the arena")
 
 
 def _proportion(
-    code: Code, trials: Sequence[Outcome], advice: str, words: str
+    kind: FaultKind, trials: Sequence[Outcome], advice: str, words: str
 ) -> Iterator[Finding]:
     """Tell of a fault that imperfections bring out."""
     ran = [outcome for outcome in trials if outcome.steps]
-    hit = [(outcome, first) for outcome in ran if (first := _first(outcome, code))]
+    hit = [(outcome, first) for outcome in ran if (first := _first(outcome, kind))]
     if not hit:
         return
     low, high = wilson_interval(len(hit), len(ran))
     outcome, first = hit[0]
     yield Finding(
-        code,
+        Code(kind.value),
         Verdict.FAIL if low >= 0.2 else Verdict.RISK,
         f"{words} in {len(hit)} of {count(len(ran), 'trial')} with imperfections"
         f" ({100 * low:.0f} to {100 * high:.0f} % of runs), though not in the ideal simulator;"
@@ -106,7 +107,7 @@ def judge_wheels(ideal: Outcome) -> Iterator[Finding]:
     ideal : Outcome
         The ideal run.
     """
-    first, report = _first(ideal, Code.ACTUATOR), ideal.report
+    first, report = _first(ideal, FaultKind.ACTUATOR), ideal.report
     if not first or report is None:
         return
     limit = testbed.GTERNAL.max_wheel_velocity
@@ -171,7 +172,7 @@ def judge_start(
 
 def _starts_in_collision(ideal: Outcome) -> bool:
     """Whether the initial conditions themselves are the first collision."""
-    first = _first(ideal, Code.COLLISION)
+    first = _first(ideal, FaultKind.COLLISION)
     gap = testbed.SPACING if ideal.initial_gap is None else ideal.initial_gap.metres
     return first is not None and first.time == 0.0 and ties.short_of(gap, testbed.SPACING)
 
@@ -185,9 +186,9 @@ class _First:
     worst: float
 
 
-def _first(outcome: Outcome, kind: Code) -> _First | None:
+def _first(outcome: Outcome, kind: FaultKind) -> _First | None:
     faults = outcome.faults(kind)
     if not faults:
         return None
-    pick = min if kind is Code.COLLISION else max
+    pick = min if kind is FaultKind.COLLISION else max
     return _First(faults[0].start, faults[0].robots, pick(fault.worst for fault in faults))

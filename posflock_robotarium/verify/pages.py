@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from posflock_robotarium.flocking.errors import OutputError
-from posflock_robotarium.verify.findings import Code, count
+from posflock_robotarium.verify.findings import count
 from posflock_robotarium.verify.terminal import figure_lines
 from rps_compat.testbed import GTERNAL
+from rps_compat.violations import FaultKind
 from rps_compat.whole_files import write_whole, written_together
 
 if TYPE_CHECKING:
@@ -123,7 +124,9 @@ def _strip(report: Report) -> _Strip | None:
 
     return _Strip(
         dots=[
-            _Dot(across(gap), 66 - 9 * (k % 4), run.name, gap, bool(run.faults(Code.COLLISION)))
+            _Dot(
+                across(gap), 66 - 9 * (k % 4), run.name, gap, bool(run.faults(FaultKind.COLLISION))
+            )
             for k, (run, gap) in enumerate(gaps)
         ],
         limit=across(_COLLISION),

@@ -22,7 +22,8 @@ from rps_compat import testbed
 from rps_compat.profiles import profile_to_dict
 from rps_compat.realism import Profile
 from rps_compat.running.outcome import Ended, Failure, Outcome
-from rps_compat.running.plan import RunPlan
+from rps_compat.running.plan import ClockPolicy, RunPlan
+from rps_compat.running.policy_violations import PolicyKind
 from rps_compat.scripts.changes import Kind
 from rps_compat.session import Initial
 
@@ -213,12 +214,12 @@ class TrialRoom:
             seed=seed,
             script_seed=seed,
             profile=None if profile is None or not profile.effects else profile_to_dict(profile),
-            clock="charged",
+            clock=ClockPolicy.CHARGED,
             answers=(),
             # What the testbed's libraries have and newer ones dropped is there, as there.
             bridges=(Kind.LATER.value,),
             exit_functions=True,
-            forbidden=("outside-write", "fork", "network"),
+            forbidden=(PolicyKind.OUTSIDE_WRITE, PolicyKind.FORK, PolicyKind.NETWORK),
             measures=True,
             memory=self.limits.memory,
             watched=str(watched),

@@ -20,6 +20,7 @@ from rps_compat.children.records import Instance, InstanceRecord
 from rps_compat.install import import_path
 from rps_compat.own_imports import keep_apart
 from rps_compat.recording import Recording
+from rps_compat.running.outcome import LoggedEnd
 from rps_compat.session import Session
 
 _active: "Family | None" = None
@@ -229,13 +230,13 @@ class Family:
     def _end_of_script(self) -> None:
         self.end(*_ending(getattr(sys, "last_value", None)))
 
-    def end(self, how: str, reason: str) -> None:
+    def end(self, how: LoggedEnd, reason: str) -> None:
         """Close what this child keeps; a second call changes nothing.
 
         Parameters
         ----------
-        how : str
-            How the process ended, in the words of `Outcome.ended`.
+        how : LoggedEnd
+            How the process ended.
         reason : str
             Why, in words; may be empty.
         """
@@ -248,13 +249,13 @@ class Family:
         written.write_text(json.dumps([how, reason]), "utf-8")
         written.replace(written.with_suffix(".end"))
 
-    def leave(self, how: str, reason: str, exit_code: int) -> NoReturn:
+    def leave(self, how: LoggedEnd, reason: str, exit_code: int) -> NoReturn:
         """End a fork of the script's process that has come to the script's end, as Python would.
 
         Parameters
         ----------
-        how : str
-            How the process ended, in the words of `Outcome.ended`.
+        how : LoggedEnd
+            How the process ended.
         reason : str
             Why, in words; may be empty.
         exit_code : int
@@ -269,13 +270,13 @@ class Family:
         os._exit(exit_code)
 
 
-def _ending(error: BaseException | None) -> tuple[str, str]:
+def _ending(error: BaseException | None) -> tuple[LoggedEnd, str]:
     """How a process ended that ended by `error`, and why."""
     if error is None or (isinstance(error, SystemExit) and not error.code):
-        return "finished", ""
+        return LoggedEnd.FINISHED, ""
     if isinstance(error, KeyboardInterrupt):
-        return "interrupted", "KeyboardInterrupt"
-    return "failed", f"{type(error).__name__}: {error}"
+        return LoggedEnd.INTERRUPTED, "KeyboardInterrupt"
+    return LoggedEnd.FAILED, f"{type(error).__name__}: {error}"
 
 
 def has_family() -> bool:

@@ -13,6 +13,7 @@ from rps_compat.children.leftovers import GRACE
 from rps_compat.children.records import Instance, Record
 from rps_compat.recording import files_of
 from rps_compat.report import RunReport, report_of
+from rps_compat.running.outcome import LoggedEnd
 
 #: Seconds between two looks at processes that end.
 _LOOK = 0.02
@@ -114,7 +115,7 @@ def _note_on(process: Path, over: bool) -> str:
             f"{process.stem} was ended while its robots drove: what is told of it ends with a step "
             "that it may not have finished"
         )
-    return f"{process.stem} {how}: {reason}" if how == "failed" else ""
+    return f"{process.stem} {how}: {reason}" if how == LoggedEnd.FAILED else ""
 
 
 def _is_alive(process: Path) -> bool:

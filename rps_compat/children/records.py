@@ -10,16 +10,15 @@ import json
 import struct
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import get_args
 
 from rps_compat.arena import Arena
 from rps_compat.recording import RecordWriter
-from rps_compat.violations import Event, Kind, Violations
+from rps_compat.violations import Event, FaultKind, Violations
 
 # Steps, seconds of a step, counters, fastest wheel, number of faults, whether the run is over; then
 # kind, robots, first and last step, worst value of each fault.
 _HEAD, _FAULT = struct.Struct("<qdqqqqdqq"), struct.Struct("<iiiqqd")
-_KINDS: tuple[Kind, ...] = get_args(Kind)
+_KINDS = tuple(FaultKind)
 
 
 @dataclass(frozen=True)

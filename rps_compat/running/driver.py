@@ -33,7 +33,7 @@ from rps_compat.running.ending import End, TimeLimit, end_of
 from rps_compat.running.limits import limit_memory
 from rps_compat.running.measures import Measures
 from rps_compat.running.outcome import Ended, Outcome
-from rps_compat.running.plan import RunPlan
+from rps_compat.running.plan import ClockPolicy, RunPlan
 from rps_compat.running.policy import Guard
 from rps_compat.running.schedule import Schedule
 from rps_compat.scripts.changes import Kind
@@ -103,7 +103,7 @@ class _Run:
         self.notes = list(guests.notes)
         self.window_notes: dict[str, None] = {}
         self.advice: str | None = None
-        charged = plan.clock == "charged"
+        charged = plan.clock is ClockPolicy.CHARGED
         self.clock = (
             SimulatedClock(charge=True) if charged else SimulatedClock(longest_wait=MAX_DURATION)
         )
@@ -155,7 +155,7 @@ class _Run:
 
     def _session(self) -> Session:
         plan = self.plan
-        simulated = None if plan.clock == "real" else self.clock
+        simulated = None if plan.clock is ClockPolicy.REAL else self.clock
         return Session(
             initial=plan.initial,
             seed=plan.seed,
@@ -235,7 +235,7 @@ class _Run:
             around.enter_context(self.schedule.listening())
         if plan.memory is not None:
             limit_memory(plan.memory)
-        if plan.clock != "real":
+        if plan.clock is not ClockPolicy.REAL:
             around.enter_context(self.clock.in_force())
         if plan.draws_on_demand:
             self.window_notes = around.enter_context(headless_matplotlib())

@@ -4,15 +4,25 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass, fields
-from enum import Enum
 from pathlib import Path
 from typing import Any
 
+from barrier_certificates.word_enum import WordEnum
 from rps_compat.generations import Generation
 from rps_compat.report import Fault, RunReport
+from rps_compat.running.policy_violations import PolicyViolation, read_violation
+from rps_compat.violations import FaultKind
 
 
-class Ended(str, Enum):
+class LoggedEnd(WordEnum):
+    """How a log calls the end of its run."""
+
+    FINISHED = "finished"
+    INTERRUPTED = "interrupted"
+    FAILED = "failed"
+
+
+class Ended(WordEnum):
     """How a run ended: one word for one thing, in every command and every file."""
 
     #: By itself.
@@ -38,22 +48,19 @@ class Ended(str, Enum):
     #: Its process ended without a word.
     DIED = "died"
 
-    def __str__(self) -> str:
-        return self.value
-
     @property
-    def in_log(self) -> str:
-        """How a pose log calls it: finished, interrupted or failed."""
-        return _IN_LOG.get(self, "failed")
+    def in_log(self) -> LoggedEnd:
+        """How a log calls it."""
+        return _IN_LOG.get(self, LoggedEnd.FAILED)
 
 
 _IN_LOG = {
-    Ended.FINISHED: "finished",
-    Ended.IDLE: "finished",
-    Ended.STOPPED: "finished",
-    Ended.INTERRUPTED: "interrupted",
-    Ended.TIMED_OUT: "interrupted",
-    Ended.OVER_TIME: "interrupted",
+    Ended.FINISHED: LoggedEnd.FINISHED,
+    Ended.IDLE: LoggedEnd.FINISHED,
+    Ended.STOPPED: LoggedEnd.FINISHED,
+    Ended.INTERRUPTED: LoggedEnd.INTERRUPTED,
+    Ended.TIMED_OUT: LoggedEnd.INTERRUPTED,
+    Ended.OVER_TIME: LoggedEnd.INTERRUPTED,
 }
 
 
@@ -149,29 +156,6 @@ class Silence:
 
 
 @dataclass(frozen=True)
-class PolicyViolation:
-    """What a script did that it must not do.
-
-    Attributes
-    ----------
-    kind
-        outside-write, fork, network or blocking-call.
-    what
-        What it asked for.
-    line, file
-        Of the script's own files; None and empty where none of them asked.
-    time
-        Seconds of the run.
-    """
-
-    kind: str
-    what: str
-    line: int | None = None
-    file: str = ""
-    time: float = 0.0
-
-
-@dataclass(frozen=True)
 class Outcome:
     """How a run went. What is unknown is None.
 
@@ -257,15 +241,15 @@ class Outcome:
         """The report on the last Robotarium that the script made; None without one."""
         return self.reports[-1] if self.reports else None
 
-    def faults(self, kind: str) -> list[Fault]:
+    def faults(self, kind: FaultKind) -> list[Fault]:
         """Return the faults of a kind, of the last Robotarium.
 
         Parameters
         ----------
-        kind : str
-            As in `Fault.kind`.
+        kind : FaultKind
+            What was wrong.
         """
-        return [] if self.report is None else [f for f in self.report.faults if f.kind == kind]
+        return [] if self.report is None else [f for f in self.report.faults if f.kind is kind]
 
     def as_dict(self) -> dict[str, Any]:
         """Return the outcome as plain data, ready for JSON.
@@ -307,7 +291,7 @@ class Outcome:
         values["files"] = tuple(Path(name) for name in values["files"])
         values["notes"] = tuple(values["notes"])
         values["policy_violations"] = tuple(
-            PolicyViolation(**found) for found in values["policy_violations"]
+            read_violation(found) for found in values["policy_violations"]
         )
         folder = values.get("folder")
         values["folder"] = None if folder is None else Path(folder)
@@ -338,7 +322,9 @@ def _read(kind: type, table: dict[str, Any]) -> Any:
 
 def _report(table: dict[str, Any]) -> RunReport:
     values = {name: value for name, value in table.items() if name != "clean"}
-    values["faults"] = tuple(_read(Fault, fault) for fault in values["faults"])
+    values["faults"] = tuple(
+        _read(Fault, fault | {"kind": FaultKind(fault["kind"])}) for fault in values["faults"]
+    )
     return RunReport(**values)
 
 
@@ -361,7 +347,9 @@ def summary(result: Outcome) -> str:
             f"{which}{report.number_of_robots} robots, {report.steps} steps, "
             f"{report.duration:.1f} s on the testbed, {report.verdict}"
         )
-        lines += [f"  {fault}" for fault in report.faults[:5] if fault.kind != "actuator"]
+        lines += [
+            f"  {fault}" for fault in report.faults[:5] if fault.kind is not FaultKind.ACTUATOR
+        ]
     lines += [f"note: {note}" for note in result.notes]
     if result.files:
         folders = sorted({str(path.parent) for path in result.files})

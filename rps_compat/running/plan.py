@@ -4,14 +4,23 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass, fields
-from typing import Any, Literal
+from typing import Any
 
+from barrier_certificates.word_enum import WordEnum
 from rps_compat.generations import Generation
+from rps_compat.running.policy_violations import PolicyKind
 from rps_compat.session import Initial
 
-#: real: the computer's; simulated: a step takes its time step, whatever was computed;
-#: charged: the same, and computing takes its CPU time.
-ClockPolicy = Literal["real", "simulated", "charged"]
+
+class ClockPolicy(WordEnum):
+    """Which time a script sees."""
+
+    #: The computer's.
+    REAL = "real"
+    #: A step takes its time step, whatever was computed.
+    SIMULATED = "simulated"
+    #: The same, and computing takes its CPU time.
+    CHARGED = "charged"
 
 
 @dataclass(frozen=True)
@@ -40,7 +49,7 @@ class RunPlan:
         Of Python's and numpy's global generators; None leaves them as they are.
     profile : dict, optional
         The imperfections, as a table; None is the ideal arena.
-    clock : str
+    clock : ClockPolicy
         Which time the script sees.
     wait : bool, optional
         Whether a script that wants real time gets it where the clock is real; None where somebody
@@ -59,8 +68,8 @@ class RunPlan:
     exit_functions : bool
         Whether functions that the script registers to run at exit are run: for a process that ends
         without them.
-    forbidden : tuple of str
-        What policy forbids: outside-write, fork, network; see `rps_compat.running.policy`.
+    forbidden : tuple of PolicyKind
+        What policy forbids; see `rps_compat.running.policy`.
     forbidden_to_libraries : bool
         Whether that holds for what libraries do of their own accord, too.
     measures : bool
@@ -100,7 +109,7 @@ class RunPlan:
     seed: int | None = None
     script_seed: int | None = None
     profile: dict[str, Any] | None = None
-    clock: ClockPolicy = "real"
+    clock: ClockPolicy = ClockPolicy.REAL
     wait: bool | None = None
     draws_on_demand: bool = False
     answers: tuple[str, ...] | None = None
@@ -108,7 +117,7 @@ class RunPlan:
     bridges: tuple[str, ...] = ()
     children: bool = False
     exit_functions: bool = False
-    forbidden: tuple[str, ...] = ()
+    forbidden: tuple[PolicyKind, ...] = ()
     forbidden_to_libraries: bool = False
     measures: bool = False
     timeout: float | None = None
@@ -141,6 +150,9 @@ class RunPlan:
         for name, value in plain.items():
             if isinstance(value, list):
                 plain[name] = tuple(value)
+        if "clock" in plain:
+            plain["clock"] = ClockPolicy(plain["clock"])
+        plain["forbidden"] = tuple(PolicyKind(kind) for kind in plain.get("forbidden", ()))
         return cls(**plain)
 
     @property

@@ -18,7 +18,7 @@ from typing import Any
 
 from rps_compat.errors import RobotariumError
 from rps_compat.running.failures import file_in
-from rps_compat.running.outcome import PolicyViolation
+from rps_compat.running.policy_violations import PolicyKind, PolicyViolation
 
 _WRITE_FLAGS = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_TRUNC
 _PATH_EVENTS = frozenset(
@@ -53,9 +53,9 @@ _NETWORK_EVENTS = frozenset(
 
 
 _NO = {
-    "outside-write": "a script may write in its own folder only",
-    "fork": "a script may not start or end processes",
-    "network": "there is no network",
+    PolicyKind.OUTSIDE_WRITE: "a script may write in its own folder only",
+    PolicyKind.FORK: "a script may not start or end processes",
+    PolicyKind.NETWORK: "there is no network",
 }
 _is_hooked = False
 
@@ -73,8 +73,8 @@ class Guard:
         The script's folder, in which it may write.
     time : function
         Returns the seconds of the run.
-    forbidden : sequence of str
-        What is forbidden: outside-write, fork, network.
+    forbidden : sequence of PolicyKind
+        What is forbidden.
     to_libraries : bool
         Whether processes and the network are forbidden to libraries, too.
     record : path, optional
@@ -92,7 +92,7 @@ class Guard:
         self,
         scratch: str,
         time: Callable[[], float],
-        forbidden: Sequence[str],
+        forbidden: Sequence[PolicyKind],
         to_libraries: bool = False,
         record: Path | None = None,
     ) -> None:
@@ -132,13 +132,13 @@ class Guard:
             (self.scratch + os.sep, "/dev/", "/proc/self/")
         )
 
-    def record(self, kind: str, what: str) -> None:
+    def record(self, kind: PolicyKind, what: str) -> None:
         """Put on record what the script did, and which of its lines.
 
         Parameters
         ----------
-        kind : str
-            As in `PolicyViolation.kind`.
+        kind : PolicyKind
+            What is forbidden.
         what : str
             What it did, in words.
         """
@@ -150,7 +150,7 @@ class Guard:
 
     def asked(self) -> None:
         """Be told that the script asks somebody: nobody is there, which goes on record."""
-        self.record("blocking-call", "input()")
+        self.record(PolicyKind.BLOCKING_CALL, "input()")
 
     def blame(self) -> tuple[int | None, str]:
         """Return the innermost line of the script's own files that is being run."""
@@ -181,24 +181,28 @@ def _audit(event: str, arguments: tuple[Any, ...]) -> None:
     guard = Guard.active
     if guard is None:
         return
-    if event == "open" and "outside-write" in guard.forbidden:
+    if event == "open" and PolicyKind.OUTSIDE_WRITE in guard.forbidden:
         path, mode, flags = arguments[0], arguments[1], arguments[2]
         if isinstance(mode, str):
             writes = any(letter in mode for letter in "wax+")
         else:
             writes = isinstance(flags, int) and bool(flags & _WRITE_FLAGS)
         if writes and not guard.allows(path):
-            _refuse(guard, "outside-write", os.fsdecode(path))
-    elif event in _PATH_EVENTS and "outside-write" in guard.forbidden:
+            _refuse(guard, PolicyKind.OUTSIDE_WRITE, os.fsdecode(path))
+    elif event in _PATH_EVENTS and PolicyKind.OUTSIDE_WRITE in guard.forbidden:
         for path in arguments[:2]:
             if isinstance(path, (str, bytes, os.PathLike)) and not guard.allows(path):
-                _refuse(guard, "outside-write", os.fsdecode(path))
-    elif event in _PROCESS_EVENTS and "fork" in guard.forbidden and guard.is_the_scripts():
-        _refuse(guard, "fork", " ".join(str(a) for a in arguments[:2]) or event)
-    elif event in _NETWORK_EVENTS and "network" in guard.forbidden and guard.is_the_scripts():
-        _refuse(guard, "network", _address(event, arguments))
-    elif event == "os.kill" and "fork" in guard.forbidden and arguments[0] != os.getpid():
-        _refuse(guard, "fork", f"kill {arguments[0]}")
+                _refuse(guard, PolicyKind.OUTSIDE_WRITE, os.fsdecode(path))
+    elif event in _PROCESS_EVENTS and PolicyKind.FORK in guard.forbidden and guard.is_the_scripts():
+        _refuse(guard, PolicyKind.FORK, " ".join(str(a) for a in arguments[:2]) or event)
+    elif (
+        event in _NETWORK_EVENTS
+        and PolicyKind.NETWORK in guard.forbidden
+        and guard.is_the_scripts()
+    ):
+        _refuse(guard, PolicyKind.NETWORK, _address(event, arguments))
+    elif event == "os.kill" and PolicyKind.FORK in guard.forbidden and arguments[0] != os.getpid():
+        _refuse(guard, PolicyKind.FORK, f"kill {arguments[0]}")
 
 
 def _address(event: str, arguments: tuple[Any, ...]) -> str:
@@ -207,7 +211,7 @@ def _address(event: str, arguments: tuple[Any, ...]) -> str:
     return " ".join(str(part) for part in about) or event
 
 
-def _refuse(guard: Guard, kind: str, what: str) -> None:
+def _refuse(guard: Guard, kind: PolicyKind, what: str) -> None:
     Guard.active = None  # recording opens nothing, but formatting might
     try:
         guard.record(kind, what)

@@ -22,6 +22,7 @@ from rps_compat.report import MESSAGES
 from rps_compat.testbed import GRITSBOT_X, RobotModel
 from rps_compat.v1.drawing import GritsbotPatches
 from rps_compat.v1.sensing import Sensing
+from rps_compat.violations import FaultKind
 from rps_compat.wrong_generation import refuse, refuse_new_arguments
 
 plt = LazyModule("matplotlib.pyplot")
@@ -250,12 +251,12 @@ class RobotariumABC(Sensing, ABC):
         found = self._arena.violations
         errors: dict[str, Any] = {}
         for kind, count in (
-            ("boundary", dict(found.outside_by_robot)),
-            ("collision", dict(found.close_by_robot)),
-            ("actuator", found.saturated_steps),
+            (FaultKind.BOUNDARY, dict(found.outside_by_robot)),
+            (FaultKind.COLLISION, dict(found.close_by_robot)),
+            (FaultKind.ACTUATOR, found.saturated_steps),
         ):
             if count:
-                errors[kind] = count
+                errors[kind.value] = count  # scripts look for the words
                 errors[f"{kind}_string"] = MESSAGES[kind]
         return errors
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from barrier_certificates import ties
+from barrier_certificates.projection import Status
 from posflock_robotarium.alignment.measured_run import Floats, MeasuredRun
 from posflock_robotarium.alignment.metric_registry import Metric, Scalar, register
 from posflock_robotarium.alignment.panels import CERTIFICATE, CLEARANCE
@@ -47,7 +48,11 @@ def _first_clearance(run: MeasuredRun) -> float | None:
 
 def _unsolved(run: MeasuredRun) -> int | None:
     status = run.recording.status
-    return None if status is None else int(np.isin(status, ("relaxed", "failed")).sum())
+    return (
+        None
+        if status is None
+        else int(np.isin(status, (Status.RELAXED.value, Status.FAILED.value)).sum())
+    )
 
 
 register(

@@ -15,6 +15,7 @@ from posflock_robotarium.alignment.metric_registry import (
 )
 from posflock_robotarium.alignment.panels import DISTANCE
 from posflock_robotarium.alignment.reductions import settled_mean, smallest
+from rps_compat.violations import FaultKind
 
 
 def _between_centres(measure: Callable[[Floats], Floats]) -> CurveFunction:
@@ -112,7 +113,7 @@ register(
                 "",
                 "Times a pair came too close by the testbed's own test, each counted once.",
                 "Safety",
-                _of_pairs(lambda run: count(run, "collision")),
+                _of_pairs(lambda run: count(run, FaultKind.COLLISION)),
                 latex=True,
                 column="collisions",
             ),

@@ -8,6 +8,7 @@ from posflock_robotarium.alignment.measured_run import Floats, MeasuredRun
 from posflock_robotarium.alignment.metric_registry import Metric, Scalar, register
 from posflock_robotarium.alignment.panels import WALLS
 from posflock_robotarium.alignment.reductions import smallest
+from rps_compat.violations import FaultKind
 
 
 def _wall_distance(run: MeasuredRun) -> Floats:
@@ -42,7 +43,7 @@ register(
                 "",
                 "Times a robot's centre left the arena.",
                 "Safety",
-                lambda run: count(run, "boundary"),
+                lambda run: count(run, FaultKind.BOUNDARY),
             ),
             Scalar(
                 "boundary_steps",

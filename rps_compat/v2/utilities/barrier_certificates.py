@@ -13,6 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from barrier_certificates.projection import Status
 from barrier_certificates.single_integrator import SingleIntegratorCertificate
 from rps_compat import certificates, deviations
 from rps_compat.arguments import NumberError, number, scalar
@@ -226,7 +227,7 @@ def _single_integrator(
         if not _finite(dxi, x[:2]):
             return np.zeros(dxi.shape)
         safe, info = certificates.certify(certificate(), dxi.astype(float), x[:2].astype(float))
-        return dxi if dxi.shape[1] == 1 and info.status == "trivial" else safe
+        return dxi if dxi.shape[1] == 1 and info.status is Status.TRIVIAL else safe
 
     return barrier_certificate
 
@@ -261,7 +262,7 @@ def _unicycle(
             dxu, x = _with_obstacles(dxu, x, obstacles, projection_distance)
             return certificate()(dxu, x)[0][:, :robots]
         safe, info = certificate()(dxu, x, obstacles)
-        return dxu if robots == 1 and info.status == "trivial" else safe
+        return dxu if robots == 1 and info.status is Status.TRIVIAL else safe
 
     return barrier_unicycle
 
@@ -307,7 +308,7 @@ def _solve_qp(
     """
     wanted = np.reshape(np.asarray(vhat, dtype=float), (2, N), order="F")
     safe, status = certificates.nearest(wanted, np.asarray(A, dtype=float), np.ravel(b))
-    if status == "failed":
+    if status is Status.FAILED:
         warnings.warn("no velocity satisfies all rows; all robots are stopped", stacklevel=2)
     return safe
 
