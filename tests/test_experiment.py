@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from experiment_here import EXPERIMENT, fly_here
 
 from posflock_robotarium.logs.readers import read_pose_log
 
 ROOT = Path(__file__).resolve().parents[1]
-SCRIPT = ROOT / "experiments" / "robotarium_9bot.py"
 
 
 def run(*options, cwd, **kwargs):
@@ -22,7 +22,7 @@ def run(*options, cwd, **kwargs):
     environment.pop("DISPLAY", None)
     environment.pop("MPLBACKEND", None)
     return subprocess.run(
-        [sys.executable, str(SCRIPT), *options],
+        [sys.executable, str(EXPERIMENT), *options],
         cwd=cwd, env=environment, capture_output=True, text=True, timeout=120, **kwargs,
     )  # fmt: skip
 
@@ -85,8 +85,7 @@ def test_it_runs_on_either_generation_of_the_api(generation, tmp_path, short_run
 
 
 def test_a_control_run_is_for_the_simulator_alone(tmp_path):
-    done = run("--duration", "3", "--certificate", "off", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    fly_here(tmp_path, "--duration", "3", "--certificate", "off")
     assert read_pose_log(tmp_path / "nine_robots").parameters["wheels"]["pair_rows"] is False
     package = tmp_path / "installed" / "rps"
     package.mkdir(parents=True)
@@ -112,7 +111,7 @@ def interrupted(self, calls=[0]):
     step(self)
 rps.robotarium.Robotarium.step = interrupted
 sys.argv = ["main.py"]
-runpy.run_path({str(SCRIPT)!r}, run_name="__main__")
+runpy.run_path({str(EXPERIMENT)!r}, run_name="__main__")
 """
     done = subprocess.run(
         [sys.executable, "-c", interrupting],
@@ -129,7 +128,7 @@ runpy.run_path({str(SCRIPT)!r}, run_name="__main__")
 
 def test_a_killed_run_keeps_every_step_before(tmp_path, short_run):
     child = subprocess.Popen(
-        [sys.executable, str(SCRIPT), "--duration", "600"],
+        [sys.executable, str(EXPERIMENT), "--duration", "600"],
         cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(ROOT)},
         stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
     )  # fmt: skip
@@ -159,9 +158,10 @@ def test_a_killed_run_keeps_every_step_before(tmp_path, short_run):
         (["--sed", "3"], "unrecognized arguments: --sed"),
     ],
 )
-def test_bad_options_are_refused_before_anything_moves(options, words, tmp_path):
+def test_bad_options_are_refused_before_anything_moves(options, words, tmp_path, capsys):
     (tmp_path / "file").write_text("")
-    done = run(*options, cwd=tmp_path)
-    assert done.returncode != 0
-    assert words in done.stderr
+    with pytest.raises(SystemExit) as refused:
+        fly_here(tmp_path, *options)
+    assert refused.value.code
+    assert words in f"{refused.value.code} {capsys.readouterr().err}"
     assert [path.name for path in tmp_path.iterdir()] == ["file"]

@@ -45,6 +45,7 @@ runpy.run_path({str(ROOT / "experiments/robotarium_9bot.py")!r}, run_name="__mai
 """
 
 
+@pytest.mark.usefixtures("shared_trials")
 def test_all_that_tells_of_a_run_in_another_arena_tells_the_same(tmp_path):
     script, out = tmp_path / "main.py", tmp_path / "out"
     script.write_text(ELSEWHERE)
@@ -117,6 +118,7 @@ r.call_at_scripts_end()
 """
 
 
+@pytest.mark.usefixtures("shared_trials")
 @pytest.mark.parametrize("outside", [True, False])
 def test_verify_and_report_agree_about_who_left_the_scripts_own_arena(tmp_path, outside):
     script = tmp_path / "main.py"

@@ -2,12 +2,10 @@
 
 import dataclasses
 import inspect
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from experiment_here import fly_here
 from judged_runs import pair, verdict
 
 from posflock_robotarium.alignment import metrics
@@ -21,17 +19,12 @@ from posflock_robotarium.logs.readers import read_pose_log
 from posflock_robotarium.report import AnalysisOptions, analyse, load
 from rps_compat.arena import violations_of
 
-ROOT = Path(__file__).parents[1]
-
 
 @pytest.fixture(scope="module")
 def nine_robots(tmp_path_factory):
     """A real run of the experiment, short."""
     folder = tmp_path_factory.mktemp("nine")
-    command = [sys.executable, ROOT / "experiments/robotarium_9bot.py", "--seed", "3"]
-    subprocess.run(
-        [*command, "--duration", "22", "--out", folder], check=True, capture_output=True, cwd=ROOT
-    )
+    fly_here(folder, "--seed", "3", "--duration", "22")
     return analyse(folder / "nine_robots.npy")
 
 

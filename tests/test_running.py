@@ -45,15 +45,20 @@ def script(tmp_path):
     return script
 
 
-def outcomes(script, tmp_path):
-    """Run, verify and rehearse a script; return the outcome of each."""
+def by_run(script):
+    return run_script(script, (), RunSettings(headless=True, initial="exact"))
+
+
+def by_verify(script, fork_server):
     _, source = check_source(script)
-    with TrialRoom(source, 2, Limits()) as room:
+    with TrialRoom(source, 2, Limits(), fork_server) as room:
         (trial,) = room.run([room.plan("ideal")])
-    bundle(script, tmp_path / "up")
-    rehearsal = rehearse(tmp_path / "up", tmp_path / "back", environment=HERE)
-    plain = run_script(script, (), RunSettings(headless=True, initial="exact"))
-    return plain, trial.outcome, rehearsal.outcome
+        return trial.outcome
+
+
+def by_rehearse(script, folder):
+    bundle(script, folder / "up")
+    return rehearse(folder / "up", folder / "back", environment=HERE).outcome
 
 
 @pytest.mark.parametrize(
@@ -66,8 +71,11 @@ def outcomes(script, tmp_path):
         ("raise KeyboardInterrupt\n", Ended.INTERRUPTED, "KeyboardInterrupt", 11),
     ],
 )
-def test_run_verify_and_rehearse_tell_one_end(script, tmp_path, ending, ended, error, line):
-    for outcome in outcomes(script(ending), tmp_path):
+def test_run_verify_and_rehearse_tell_one_end(
+    script, tmp_path, fork_server, ending, ended, error, line
+):
+    path = script(ending)
+    for outcome in (by_run(path), by_verify(path, fork_server), by_rehearse(path, tmp_path)):
         assert outcome.ended is ended, outcome.reason
         assert outcome.steps == outcome.report.steps == 30
         assert (outcome.error and outcome.error.type) == error
@@ -75,8 +83,9 @@ def test_run_verify_and_rehearse_tell_one_end(script, tmp_path, ending, ended, e
         assert outcome.exit_code == (3 if error == "SystemExit" else outcome.exit_code)
 
 
-def test_what_is_not_measured_is_unknown_and_what_is_reads_back(script, tmp_path):
-    plain, trial, _ = outcomes(script("1 / 0\n"), tmp_path)
+def test_what_is_not_measured_is_unknown_and_what_is_reads_back(script, fork_server):
+    path = script("1 / 0\n")
+    plain, trial = by_run(path), by_verify(path, fork_server)
     assert plain.loop is plain.smallest_gap is plain.silence is plain.finishing_call is None
     assert trial.smallest_gap.metres == pytest.approx(1.0)
     assert trial.loop.p50 <= trial.loop.longest

@@ -16,6 +16,7 @@ from posflock_robotarium.verify import EFFECT_TRIALS, TRIALS
 from rps_compat.profiles import load_profile
 
 ZOO = Path(__file__).parent / "zoo"
+pytestmark = pytest.mark.usefixtures("shared_trials")
 
 
 def run(*arguments):

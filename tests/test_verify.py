@@ -25,7 +25,7 @@ from posflock_robotarium.verify.findings import (
     wilson_interval,
 )
 from posflock_robotarium.verify.pages import html, write_report
-from posflock_robotarium.verify.trials import ForkServer, Limits
+from posflock_robotarium.verify.trials import Limits
 from rps_compat.errors import ScriptError
 from rps_compat.scripts import libraries
 
@@ -48,28 +48,21 @@ def planted(script):
     raise AssertionError(f"{script.name} declares no defect")
 
 
-@pytest.fixture(scope="module")
-def server():
-    """Share the process that runs trials: it costs as much to start as a zoo script to run."""
-    with ForkServer() as shared:
-        yield shared
-
-
-def examine(script, trials, server):
+def examine(script, trials, fork_server):
     declared = re.search(r"# declared: (\d+)", script.read_text())
     return verify(
         script,
         trials=trials,
         limits=LIMITS,
         declared=float(declared[1]) if declared else None,
-        server=server,
+        server=fork_server,
     )
 
 
 @pytest.mark.parametrize("script", FAULTY, ids=lambda path: path.stem)
-def test_the_planted_defect_is_named_and_no_other(script, server):
+def test_the_planted_defect_is_named_and_no_other(script, fork_server):
     code, line, time = planted(script)
-    report = examine(script, 0, server)
+    report = examine(script, 0, fork_server)
     worse = [f for f in report.findings if f.verdict > Verdict.PASS]
     assert [f.code for f in worse] == [code], worse
     (finding,) = worse
@@ -83,16 +76,16 @@ def test_the_planted_defect_is_named_and_no_other(script, server):
 
 
 @pytest.mark.parametrize("script", SOUND, ids=lambda path: path.stem)
-def test_sound_scripts_pass(script, server):
-    report = examine(script, 1, server)
+def test_sound_scripts_pass(script, fork_server):
+    report = examine(script, 1, fork_server)
     assert report.verdict is Verdict.PASS, report.findings
     assert report.exit_code == 0
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("script", SOUND, ids=lambda path: path.stem)
-def test_sound_scripts_pass_on_twenty_seeds(script, server):
-    assert examine(script, 20, server).verdict is Verdict.PASS
+def test_sound_scripts_pass_on_twenty_seeds(script, fork_server):
+    assert examine(script, 20, fork_server).verdict is Verdict.PASS
 
 
 @pytest.mark.slow
@@ -145,7 +138,7 @@ def _leads_to(link, folder):
     ("fault", "code"),
     [("[0][k // 30]", "crash"), ("open('/nowhere.txt', 'w')", "outside-write")],
 )
-def test_a_fault_of_a_local_module_is_told_with_its_file(tmp_path, server, fault, code):
+def test_a_fault_of_a_local_module_is_told_with_its_file(tmp_path, fork_server, fault, code):
     sound = (ZOO / "sound" / "two_robots_forward.py").read_text()
     (tmp_path / "main.py").write_text(
         sound.replace("r.step()", "gadget.work(r)").replace("import", "import gadget\nimport", 1)
@@ -153,23 +146,23 @@ def test_a_fault_of_a_local_module_is_told_with_its_file(tmp_path, server, fault
     (tmp_path / "gadget.py").write_text(
         f"k = 0\n\ndef work(r):\n    global k\n    k += 1\n    r.step()\n    {fault}\n"
     )
-    findings = verify(tmp_path / "main.py", trials=0, limits=LIMITS, server=server).findings
+    findings = verify(tmp_path / "main.py", trials=0, limits=LIMITS, server=fork_server).findings
     assert (findings[0].code, findings[0].file, findings[0].line) == (code, "gadget.py", 7)
 
 
 def test_a_library_that_only_this_machine_lacks_is_no_fault_of_the_script(
-    tmp_path, server, monkeypatch
+    tmp_path, fork_server, monkeypatch
 ):
     monkeypatch.setitem(libraries.IMPORT_NAMES, "a_library_there", "a-library-there")
     script = tmp_path / "main.py"
     script.write_text("import a_library_there\nfrom rps.robotarium import Robotarium\n")
-    (finding,) = verify(script, trials=0, limits=LIMITS, server=server).findings
+    (finding,) = verify(script, trials=0, limits=LIMITS, server=fork_server).findings
     assert (finding.code, finding.verdict, finding.line) == ("internal", Verdict.RISK, 1)
     assert "pip install a-library-there" in finding.advice
 
 
-def test_a_report_is_the_same_data_in_json_and_html(tmp_path, server):
-    report = examine(ZOO / "faulty" / "head_on_collision.py", 2, server)
+def test_a_report_is_the_same_data_in_json_and_html(tmp_path, fork_server):
+    report = examine(ZOO / "faulty" / "head_on_collision.py", 2, fork_server)
     data, page = write_report(report, tmp_path / "out")
     said = json.loads(data.read_text())
     assert said["schema"] == "posflock verify 1"
@@ -191,6 +184,7 @@ def test_a_page_quotes_what_a_script_says_and_does_not_run_it():
     assert "&lt;script&gt;" in page
 
 
+@pytest.mark.usefixtures("shared_trials")
 def test_an_imperfection_is_found_to_be_the_culprit(tmp_path):
     # Robots brake 10 cm apart... of where they meet; late brakes are too late.
     script = tmp_path / "brakes.py"
@@ -215,6 +209,7 @@ def test_an_imperfection_is_found_to_be_the_culprit(tmp_path):
     assert rows["all"].collisions == 2
 
 
+@pytest.mark.usefixtures("shared_trials")
 def test_a_gap_that_nothing_has_is_unknown_and_no_number(tmp_path):
     script = tmp_path / "alone.py"
     script.write_text(

@@ -1,9 +1,9 @@
 """What threads, queues, event loops and timers see of simulated time; run by test_clock.py.
 
 ``python tests/clock_scenarios [--repeat N] [NAME ...]`` prints one JSON list a scenario, ``[name,
-what it returned]``. Each runs under a clock of its own; one that hangs ends the process, and a
-traceback on stderr says where. Time does not depend on the machine's load, so neither do results:
-repeat them by the hundred on a busy machine.
+what it returned]``; with ``--list`` the names alone. Each runs under a clock of its own; one that
+hangs ends the process, and a traceback on stderr says where. Time does not depend on the machine's
+load, so neither do results: repeat them by the hundred on a busy machine.
 """
 
 import argparse
@@ -32,8 +32,12 @@ def watch(name, done):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--repeat", type=int, default=1)
+    parser.add_argument("--list", action="store_true")
     parser.add_argument("names", nargs="*")
     asked = parser.parse_args()
+    if asked.list:
+        print(*SCENARIOS, flush=True)
+        return
     for name in asked.names or SCENARIOS:
         for _ in range(asked.repeat):
             done = real.allocate_lock()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.signal import savgol_filter
 
 from posflock_robotarium.alignment.metrics.states import checked_states, checked_track
 from posflock_robotarium.flocking.errors import ParameterError
@@ -70,6 +69,9 @@ def smoothed_velocities(
     p = checked_track(positions, points)
     if points < 3 or points % 2 == 0:
         raise ParameterError(f"points: expected an odd number from 3, got {points}")
+    # Here, since it takes longer to import than all else that most commands need.
+    from scipy.signal import savgol_filter
+
     return np.asarray(savgol_filter(p, points, polyorder=2, deriv=1, delta=time_step, axis=0))
 
 
