@@ -4,7 +4,6 @@ import contextlib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from posflock_robotarium.alignment.verdicts import Mark
 from posflock_robotarium.commands import options
 from posflock_robotarium.commands.terminal import say
 
@@ -250,6 +249,8 @@ def _print_json(analyses: list["Analysis"]) -> None:
 
 
 def _print_verdicts(analyses: list["Analysis"]) -> None:
+    from posflock_robotarium.alignment.verdicts import Mark
+
     for analysis in analyses:
         say(f"{analysis.name}")
         for verdict in analysis.verdicts:
