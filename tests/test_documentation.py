@@ -26,6 +26,7 @@ def modules() -> list[str]:
     return [m for m in found if not m.endswith("__main__")]
 
 
+@pytest.mark.usefixtures("shared_trials")
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_examples_of_a_page_run_in_order(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
