@@ -31,8 +31,8 @@ class SingleIntegratorCertificate(Certificate):
     --------
     >>> certificate = SingleIntegratorCertificate(boundary=(-1.6, 1.6, -1.0, 1.0))
     >>> velocity, info = certificate([[0.2, -0.2], [0.0, 0.0]], [[-0.1, 0.1], [0.0, 0.0]])
-    >>> info.status, info.active
-    ('optimal', ('robots 0 and 1',))
+    >>> print(info.status, info.active)
+    optimal ('robots 0 and 1',)
     """
 
     _: KW_ONLY

@@ -63,8 +63,8 @@ class UnicycleCertificate(Certificate, DifferentialDrive):
     >>> certificate = UnicycleCertificate(safety_radius=0.27, speed_limit=0.15)
     >>> poses = np.array([[-0.2, 0.2], [0.0, 0.0], [0.0, np.pi]])   # face to face
     >>> commands, info = certificate([[0.15, 0.15], [0.0, 0.0]], poses)
-    >>> info.status, info.active
-    ('optimal', ('robots 0 and 1',))
+    >>> print(info.status, info.active)
+    optimal ('robots 0 and 1',)
     >>> bool(commands[0, 0] < 0.01)
     True
     """

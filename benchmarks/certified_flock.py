@@ -20,7 +20,7 @@ from comparing import Table
 from nine_robots import DURATION, start_of
 
 from posflock_robotarium.alignment import metrics
-from posflock_robotarium.alignment.options import SETTLE
+from posflock_robotarium.alignment.options import TRANSIENT
 from posflock_robotarium.flocking.flock import EXPERIMENT_CERTIFICATE, Flock
 from posflock_robotarium.flocking.pose_log import INTERVENED
 from rps_compat.arena import Arena, Array
@@ -80,7 +80,7 @@ def true_figures(poses: Array, radius: float) -> Figures:
     """Return what true poses (T, 3, N) say: alignment, speed, distances, clearance."""
     certificate, step = EXPERIMENT_CERTIFICATE, GTERNAL.time_step
     assert certificate.wall_margin is not None
-    late = np.arange(len(poses)) * step > SETTLE
+    late = np.arange(len(poses)) * step > TRANSIENT
     positions, headings = poses[:, :2], metrics.heading_vectors(poses)
     velocity = metrics.smoothed_velocities(positions, step)[late]
     points = positions + certificate.projection_distance * headings

@@ -12,7 +12,7 @@ from test_numbers import eventful
 from posflock_robotarium.alignment import measured_run
 from posflock_robotarium.alignment.measured_run import weighted_mean
 from posflock_robotarium.alignment.measuring import measure
-from posflock_robotarium.alignment.options import SETTLE, AnalysisOptions
+from posflock_robotarium.alignment.options import TRANSIENT, AnalysisOptions
 from posflock_robotarium.report import Run, analyse
 
 
@@ -52,10 +52,10 @@ def test_a_mean_is_over_what_is_defined(samples, alike):
 
 def test_when_the_settled_part_begins():
     t = np.arange(40.0)
-    assert run_at(t).settle == SETTLE
-    assert run_at(t).since == f"after {SETTLE + 1:.0f} s"
-    assert run_at(t, settle=3.0).settle == 3.0
-    assert run_at(t, settle=0.0).settle == 0.0
+    assert run_at(t).transient == TRANSIENT
+    assert run_at(t).since == f"after {TRANSIENT + 1:.0f} s"
+    assert run_at(t, transient=3.0).transient == 3.0
+    assert run_at(t, transient=0.0).transient == 0.0
     assert run_at(t[:10]).since == "of the whole run"
 
 

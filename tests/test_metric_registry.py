@@ -263,7 +263,7 @@ def one_noisy():
 
 
 def test_options_are_those_that_were_given():
-    run = measure(a_run(), AnalysisOptions(radius=0.4, settle=2.0))
+    run = measure(a_run(), AnalysisOptions(radius=0.4, transient=2.0))
     assert run.radius == 0.4
     assert run.since == "after 2 s"
     assert run.settled.sum() == (run.recording.t > 2.0).sum()

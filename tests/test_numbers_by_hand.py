@@ -131,7 +131,7 @@ def test_gamma_rests_on_half_a_percent_of_robots_and_time_at_least(moving, defin
     poses = np.zeros((2000, 3, 2))
     poses[:, 0] = (0.033 * np.cumsum(speed))[:, None]
     poses[:, 1] = [0.0, 0.3]
-    options = AnalysisOptions(radius=1.0, window=0.1, settle=0.0)
+    options = AnalysisOptions(radius=1.0, window=0.1, transient=0.0)
     numbers = analyse(Run("brief", t, poses), options).numbers
     counted = 1.0 - numbers["left_out_motion"].value
     assert (counted >= 0.005) == defined

@@ -144,7 +144,7 @@ def test_the_neighbour_radius_is_asked_for_and_checked():
         {"window": 0.0},
         {"slowest": -1.0},
         {"threshold": 2.0},
-        {"settle": np.nan},
+        {"transient": np.nan},
     ],
 )
 def test_options_are_checked(wrong):
@@ -154,9 +154,11 @@ def test_options_are_checked(wrong):
 
 def test_a_settling_time_beyond_the_end_is_refused():
     flock = known_flock("parallel", 0.1, duration=4.0)
-    for settle in (4.0, 30.0):
-        with pytest.raises(ParameterError, match=r"--settle is \d+ s, but the run ends after 3\.9"):
-            analyse(flock.recording, AnalysisOptions(radius=flock.radius, settle=settle))
-    late = analyse(flock.recording, AnalysisOptions(radius=flock.radius, settle=2.0))
+    for transient in (4.0, 30.0):
+        with pytest.raises(
+            ParameterError, match=r"--transient is \d+ s, but the run ends after 3\.9"
+        ):
+            analyse(flock.recording, AnalysisOptions(radius=flock.radius, transient=transient))
+    late = analyse(flock.recording, AnalysisOptions(radius=flock.radius, transient=2.0))
     assert late.settled.sum() == (flock.recording.t > 2.0).sum()
     assert analyse(flock.recording, radius=flock.radius).settled.all()

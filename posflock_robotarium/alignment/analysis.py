@@ -30,7 +30,7 @@ from posflock_robotarium.alignment.estimators import ESTIMATORS
 from posflock_robotarium.alignment.faults import faults_of
 from posflock_robotarium.alignment.measuring import curves_of, measure, numbers_of
 from posflock_robotarium.alignment.metric_registry import Number
-from posflock_robotarium.alignment.options import SETTLE, AnalysisOptions, settled_samples
+from posflock_robotarium.alignment.options import TRANSIENT, AnalysisOptions, settled_samples
 from posflock_robotarium.alignment.verdicts import Verdict, verdicts_of
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.flocking.flock import WALLS
@@ -99,14 +99,14 @@ class Analysis:
         return WALLS.get(str(self.recording.parameters.get("walls", "")), "")
 
     @property
-    def settle(self) -> float:
-        """Seconds after which numbers named "settled" are taken, where the run is longer."""
-        return SETTLE if self.options.settle is None else self.options.settle
+    def transient(self) -> float:
+        """Seconds of the transient, which numbers named "settled" leave out of a longer run."""
+        return TRANSIENT if self.options.transient is None else self.options.transient
 
     @property
     def settled(self) -> NDArray[np.bool_]:
         """Samples that count for the numbers named "settled": (T,) booleans."""
-        return settled_samples(self.recording.t, self.options.settle)
+        return settled_samples(self.recording.t, self.options.transient)
 
     def summary(self) -> dict[str, Any]:
         """Return everything but the curves, ready for JSON (NaN becomes null).
@@ -198,7 +198,7 @@ def analyse(
     LogError
         When the log cannot be read, or its neighbour radius is known from nowhere.
     ParameterError
-        When the run ends before the time that it was given to settle.
+        When the run ends before its transient is over.
     """
     options = options or AnalysisOptions()
     if radius is not None:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.alignment.estimators import Motion, estimate
-from posflock_robotarium.alignment.options import SETTLE, AnalysisOptions, settled_samples
+from posflock_robotarium.alignment.options import TRANSIENT, AnalysisOptions, settled_samples
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.logs.run import Run
 from rps_compat.testbed import RobotModel
@@ -73,12 +73,12 @@ class MeasuredRun:
     @cached_property
     def settled(self) -> NDArray[np.bool_]:
         """Samples that count for the numbers named "settled", shape (T,)."""
-        return settled_samples(self.recording.t, self.options.settle)
+        return settled_samples(self.recording.t, self.options.transient)
 
     @property
-    def settle(self) -> float:
-        """Seconds after which these begin, where the run is longer."""
-        return SETTLE if self.options.settle is None else self.options.settle
+    def transient(self) -> float:
+        """Seconds of the transient, after which these begin where the run is longer."""
+        return TRANSIENT if self.options.transient is None else self.options.transient
 
     @cached_property
     def since(self) -> str:

@@ -26,14 +26,14 @@ def measure(recording: Run, options: AnalysisOptions | None = None) -> MeasuredR
     LogError
         When the neighbour radius is known from nowhere.
     ParameterError
-        When the run ends before the time that it was given to settle.
+        When the run ends before its transient is over.
     """
     options = options or AnalysisOptions()
     options = dataclasses.replace(options, radius=recording.neighbour_radius(options.radius))
     duration = float(recording.t[-1] - recording.t[0])
-    if options.settle is not None and options.settle >= duration:
+    if options.transient is not None and options.transient >= duration:
         raise ParameterError(
-            f"{recording.name}: --settle is {options.settle:g} s, but the run ends after "
+            f"{recording.name}: --transient is {options.transient:g} s, but the run ends after "
             f"{duration:.2f} s: nothing is left to take means over; give less, or leave it out"
         )
     curves = {key: metric.curve for key, metric in catalogue.metrics().items()}

@@ -1,4 +1,4 @@
-"""What an analysis may be told: radius, window, thresholds, and when a flock has settled."""
+"""What an analysis may be told: radius, window, thresholds, and how long its transient is."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from posflock_robotarium.flocking.errors import ParameterError
 
 Floats = NDArray[np.float64]
 
-SETTLE = 20.0
-"""Seconds after which a flock should have aligned, unless it is told otherwise."""
+TRANSIENT = 20.0
+"""Seconds of the transient, after which a flock should have aligned, unless told otherwise."""
 
 
 @dataclass(frozen=True)
@@ -33,8 +33,8 @@ class AnalysisOptions:
         Speed in m/s up to which a robot has no direction of motion. See `metrics.SLOWEST`.
     threshold : float
         γ from which the flock counts as aligned.
-    settle : float, optional
-        Seconds at the start that summaries named "settled" leave out; by default `SETTLE`, and
+    transient : float, optional
+        Seconds at the start that numbers named "settled" leave out; by default `TRANSIENT`, and
         nothing of a run that is shorter.
 
     Raises
@@ -47,12 +47,12 @@ class AnalysisOptions:
     window: float = WINDOW
     slowest: float = SLOWEST
     threshold: float = 0.9
-    settle: float | None = None
+    transient: float | None = None
 
     def __post_init__(self) -> None:
-        for name, low in (("window", 0.0), ("slowest", 0.0), ("settle", 0.0)):
+        for name, low in (("window", 0.0), ("slowest", 0.0), ("transient", 0.0)):
             value = getattr(self, name)
-            if value is None and name == "settle":
+            if value is None and name == "transient":
                 continue
             if not (math.isfinite(value) and value >= low) or (name == "window" and value <= 0):
                 raise ParameterError(f"{name} is {value}; expected a finite number above {low:g}")
@@ -63,15 +63,15 @@ class AnalysisOptions:
             raise ParameterError(f"neighbour radius is {self.radius}; expected metres above 0")
 
 
-def settled_samples(t: Floats, settle: float | None) -> NDArray[np.bool_]:
-    """Return which samples come later than `settle` seconds; all of them in a shorter run.
+def settled_samples(t: Floats, transient: float | None) -> NDArray[np.bool_]:
+    """Return which samples come later than `transient` seconds; all of them in a shorter run.
 
     Parameters
     ----------
     t : (T,) array
         Times, s, of any origin: seconds are counted from the first.
-    settle : float, optional
-        Seconds at the start that do not count; `SETTLE` by default.
+    transient : float, optional
+        Seconds at the start that do not count; by default `TRANSIENT`.
 
     Returns
     -------
@@ -79,6 +79,6 @@ def settled_samples(t: Floats, settle: float | None) -> NDArray[np.bool_]:
         Whether each sample counts.
     """
     elapsed = t - t[0]
-    settle = SETTLE if settle is None else settle
-    later = ties.beyond(elapsed, settle)
+    transient = TRANSIENT if transient is None else transient
+    later = ties.beyond(elapsed, transient)
     return later if later.any() else np.ones(len(t), dtype=bool)

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
+from numpy.typing import NDArray
 
 from posflock_robotarium.alignment.measured_run import MeasuredRun
 from posflock_robotarium.alignment.metric_registry import NumberFunction
+
+Floats = NDArray[np.float64]
 
 
 def settled_mean(key: str) -> NumberFunction:
@@ -16,12 +21,7 @@ def settled_mean(key: str) -> NumberFunction:
     key : str
         Key of the metric whose curve it is; the number has the unit of the curve.
     """
-
-    def mean(run: MeasuredRun) -> float | None:
-        curve = run.curve(key)
-        return None if curve is None else run.settled_mean(curve)
-
-    return mean
+    return _reduced(key, MeasuredRun.settled_mean)
 
 
 def smallest(key: str) -> NumberFunction:
@@ -32,12 +32,7 @@ def smallest(key: str) -> NumberFunction:
     key : str
         Key of the metric whose curve it is; the number has the unit of the curve.
     """
-
-    def least(run: MeasuredRun) -> float | None:
-        curve = run.curve(key)
-        return None if curve is None else float(np.fmin.reduce(curve))
-
-    return least
+    return _reduced(key, lambda run, curve: float(np.fmin.reduce(curve)))
 
 
 def largest(key: str) -> NumberFunction:
@@ -48,9 +43,12 @@ def largest(key: str) -> NumberFunction:
     key : str
         Key of the metric whose curve it is; the number has the unit of the curve.
     """
+    return _reduced(key, lambda run, curve: float(np.fmax.reduce(curve)))
 
-    def greatest(run: MeasuredRun) -> float | None:
+
+def _reduced(key: str, reduce: Callable[[MeasuredRun, Floats], float | None]) -> NumberFunction:
+    def number(run: MeasuredRun) -> float | None:
         curve = run.curve(key)
-        return None if curve is None else float(np.fmax.reduce(curve))
+        return None if curve is None else reduce(run, curve)
 
-    return greatest
+    return number

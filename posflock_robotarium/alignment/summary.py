@@ -151,7 +151,7 @@ def _summary(run: Analysis | MeasuredRun, value: Callable[[str], float | None]) 
     ending = run.recording.ending
     return Summary(
         duration=of("duration") + of("step"),
-        settled=0.0 if run.settled.all() else run.settle,
+        settled=0.0 if run.settled.all() else run.transient,
         gamma_headings=of("gamma_headings"),
         gamma_motion=of("gamma_motion"),
         mean_speed=of("speed"),

@@ -204,7 +204,7 @@ def errors(
                 heading_noise=heading_noise,
                 seed=seed,
             )
-            analysis = analyse(flock.recording, AnalysisOptions(radius=flock.radius, settle=0.0))
+            analysis = analyse(flock.recording, AnalysisOptions(radius=flock.radius, transient=0.0))
             for short, truth in (
                 ("headings", flock.gamma_headings),
                 ("motion", flock.gamma_motion),

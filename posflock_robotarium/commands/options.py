@@ -63,10 +63,10 @@ Radius = Annotated[
 ]
 Window = Annotated[float, typer.Option(help="Seconds of the Savitzky-Golay window.")]
 Slowest = Annotated[float, typer.Option(help="m/s up to which a robot has no direction.")]
-Settle = Annotated[
+Transient = Annotated[
     float | None,
     typer.Option(
-        help="Seconds at the start that settled means leave out; 20 by default, none of a shorter "
+        help="Seconds of the transient, left out of settled means; 20 by default, 0 for a shorter "
         "run.",
         show_default=False,
     ),

@@ -25,7 +25,7 @@ def report(
     radius: options.Radius = None,
     window: options.Window = 0.36,
     slowest: options.Slowest = 0.01,
-    settle: options.Settle = None,
+    transient: options.Transient = None,
     latex: options.Latex = False,
     figures: options.Figures = True,
     json: options.SummaryAsJson = False,
@@ -51,7 +51,7 @@ def report(
         radius,
         window,
         slowest,
-        settle,
+        transient,
         join,
     )
     written = write_report(analyses, out, latex=latex, figures=figures)
@@ -100,7 +100,7 @@ def compare(
     radius: options.Radius = None,
     window: options.Window = 0.36,
     slowest: options.Slowest = 0.01,
-    settle: options.Settle = None,
+    transient: options.Transient = None,
     json: options.SummaryAsJson = False,
 ) -> None:
     """Put runs side by side: every number, mean and 95 % interval, differences.
@@ -119,7 +119,7 @@ def compare(
 
     with _resimulated(runs, resimulate) as logs:
         reading = _reading(layout, columns, dt, array, drop_damaged)
-        analyses = _analyse(logs, reading, radius, window, slowest, settle, False)
+        analyses = _analyse(logs, reading, radius, window, slowest, transient, False)
     comparison = compare_runs(analyses, labels.split(",") if labels else None)
     if json:
         import json as writer
@@ -219,7 +219,7 @@ def _analyse(
     radius: float | None,
     window: float,
     slowest: float,
-    settle: float | None,
+    transient: float | None,
     join: bool,
 ) -> list["Analysis"]:
     from posflock_robotarium.alignment.analysis import is_analysis
@@ -227,7 +227,7 @@ def _analyse(
     from posflock_robotarium.commands.terminal import progress
     from posflock_robotarium.report import AnalysisOptions, analyse, load, read_parts
 
-    judged = AnalysisOptions(radius=radius, window=window, slowest=slowest, settle=settle)
+    judged = AnalysisOptions(radius=radius, window=window, slowest=slowest, transient=transient)
     if join:
         return [analyse(read_parts(logs, reading), judged)]
     analyses = []

@@ -78,8 +78,8 @@ class OwnInput(Input):
         return check_states(self._own_law(sensed, self._law), "input of the own law", like=p)
 
 
-class DenseInput(Input):
-    """The input of a model from all n² pairs; the imprint is taken from what is sensed first.
+class ModelInput(Input):
+    """The input of one of the paper's models; the imprint is taken from what is sensed first.
 
     Parameters
     ----------
@@ -98,41 +98,27 @@ class DenseInput(Input):
     ) -> None:
         self._law, self._sensors = law, sensors
         self._velocity_based, self._threshold = velocity_based, threshold
-        self._imprint: Floats | None = None
+        #: What is kept of the first positions that are sensed.
+        self._first: Floats | None = None
+
+
+class DenseInput(ModelInput):
+    """From all n² pairs, in arrays."""
 
     def __call__(self, positions: Floats, velocities: Floats, time: float) -> Floats:
         p, v = self._sensors.read(positions, velocities)
-        if self._imprint is None:
-            self._imprint = displacements(p)
+        if self._first is None:
+            self._first = displacements(p)
         detected = self._sensors.detected(time)
         if self._velocity_based:
             return velocity_based_input(p, v, self._law, detected=detected)
         return position_based_input(
-            p, self._imprint, time, self._law, threshold=self._threshold, detected=detected
+            p, self._first, time, self._law, threshold=self._threshold, detected=detected
         )
 
 
-class TreeInput(Input):
-    """The same from a list of the pairs in reach, flock by flock.
-
-    Parameters
-    ----------
-    law : LawParameters
-        δ, r, k and the limits.
-    sensors : Sensors
-        What agents know of the states.
-    velocity_based : bool
-        Whether the law is the velocity-based one.
-    threshold : bool
-        Whether the alignment gain of the position-based law stops decaying at t = 1/k.
-    """
-
-    def __init__(
-        self, law: LawParameters, sensors: Sensors, *, velocity_based: bool, threshold: bool
-    ) -> None:
-        self._law, self._sensors = law, sensors
-        self._velocity_based, self._threshold = velocity_based, threshold
-        self._first: Floats | None = None
+class TreeInput(ModelInput):
+    """From a list of the pairs in reach, flock by flock."""
 
     def __call__(self, positions: Floats, velocities: Floats, time: float) -> Floats:
         p, v = self._sensors.read(positions, velocities)

@@ -25,6 +25,9 @@ from posflock_robotarium.paper.evidence import Evidence, Study
 
 Floats = NDArray[np.float64]
 
+#: Seconds after which the transient of the imprinted law is measured.
+TRANSIENT = 10.0
+
 V, P, N = Model.VELOCITY, Model.POSITION, Model.POSITION_NO_THRESHOLD
 
 
@@ -138,9 +141,8 @@ def transient_variance_change(evidence: Evidence) -> float:
         Every run of the reproduction.
     """
     measures = evidence.measures[P]
-    settled = ties.first_smallest(np.abs(measures.times - 10.0))
-    variance = measures.distance_variance
-    return float(np.median(variance[:, settled] - variance[:, 0]))
+    variance, late = measures.distance_variance, _at(measures.times, TRANSIENT)
+    return float(np.median(variance[:, late] - variance[:, 0]))
 
 
 def transient_change_variance(evidence: Evidence) -> float:
@@ -152,8 +154,12 @@ def transient_change_variance(evidence: Evidence) -> float:
         Every run of the reproduction.
     """
     measures = evidence.measures[P]
-    settled = ties.first_smallest(np.abs(measures.times - 10.0))
-    return float(np.median(measures.change_variance[:, settled]))
+    return float(np.median(measures.change_variance[:, _at(measures.times, TRANSIENT)]))
+
+
+def _at(times: Floats, time: float) -> int:
+    """Return the place of the time nearest to one, s."""
+    return ties.first_smallest(np.abs(times - time))
 
 
 def denser_with_smaller_scale(evidence: Evidence) -> float:

@@ -13,12 +13,12 @@ from rps_compat.own_imports.whose import (
     OPTIONAL,
     OURS,
     add_script_folder,
+    asks_for_itself,
     find_environments,
     forget_script_folders,
     is_environments,
     is_environments_code,
     is_environments_module,
-    is_import_system,
     is_installation,
     modules_in,
 )
@@ -217,10 +217,7 @@ class HiddenNames:
         if path is not None or name not in self.files:
             return None
         if name not in self.claimed:
-            frame: FrameType | None = sys._getframe(1)
-            while frame is not None and is_import_system(frame):
-                frame = frame.f_back
-            if frame is not None and not is_environments_code(frame.f_globals, frame):
+            if not asks_for_itself(nobody=True):
                 return None
             self._claim(name)
         spec = find_environments(name)

@@ -7,14 +7,12 @@ from _frozen_importlib_external import PathFinder
 from rps_compat.own_imports.whose import (
     HOME,
     OURS,
-    is_environments_code,
-    is_import_system,
+    asks_for_itself,
     is_installation,
 )
 
 TYPE_CHECKING = False  # typing's own may be hidden
 if TYPE_CHECKING:
-    from types import FrameType
     from typing import Any
 
 
@@ -46,9 +44,6 @@ class LastResort:
             return None
         if name in OURS:
             return PathFinder.find_spec(name, [HOME])
-        frame: FrameType | None = sys._getframe(1)
-        while frame is not None and is_import_system(frame):
-            frame = frame.f_back
-        if frame is None or not is_environments_code(frame.f_globals, frame):
+        if not asks_for_itself(nobody=False):
             return None
         return PathFinder.find_spec(name, self._path)

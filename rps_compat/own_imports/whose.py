@@ -162,6 +162,22 @@ def is_import_system(frame: "FrameType") -> bool:
     return any(name == part or name.startswith(f"{part}.") for part in _IMPORT_SYSTEM)
 
 
+def asks_for_itself(nobody: bool) -> bool:
+    """Return whether the environment's own code asks for the import that is under way.
+
+    To be called by a finder, of whoever asked past the machinery of imports.
+
+    Parameters
+    ----------
+    nobody : bool
+        What holds where there is no code but that machinery.
+    """
+    frame: FrameType | None = sys._getframe(1)
+    while frame is not None and is_import_system(frame):
+        frame = frame.f_back
+    return nobody if frame is None else is_environments_code(frame.f_globals, frame)
+
+
 def find_environments(name: str) -> "Any":
     """Find the spec of a top-level module of the environment; None if there is none.
 

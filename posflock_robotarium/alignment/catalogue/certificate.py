@@ -15,23 +15,23 @@ from posflock_robotarium.flocking.pose_log import INTERVENED
 
 def _known_interventions(run: MeasuredRun) -> Floats | None:
     """Return the change of velocity, m/s, of the steps of which it is known; None without any."""
-    moved = run.recording.intervention
-    if moved is None or not np.isfinite(moved).any():
+    known = run.recording.intervention
+    if known is None or not np.isfinite(known).any():
         return None
-    return moved[np.isfinite(moved)]
+    return known[np.isfinite(known)]
 
 
 def _share_intervened(run: MeasuredRun) -> float | None:
-    moved = run.once(_known_interventions)
-    return None if moved is None else float(ties.beyond(moved, INTERVENED).mean())
+    known = run.once(_known_interventions)
+    return None if known is None else float(ties.beyond(known, INTERVENED).mean())
 
 
 def _mean_intervention(run: MeasuredRun) -> float | None:
-    moved = run.once(_known_interventions)
-    if moved is None:
+    known = run.once(_known_interventions)
+    if known is None:
         return None
-    intervened = ties.beyond(moved, INTERVENED)
-    return float(moved[intervened].mean()) if intervened.any() else 0.0
+    intervened = ties.beyond(known, INTERVENED)
+    return float(known[intervened].mean()) if intervened.any() else 0.0
 
 
 def _clearance(run: MeasuredRun) -> Floats | None:

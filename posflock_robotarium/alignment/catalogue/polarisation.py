@@ -1,4 +1,4 @@
-"""Polarisation, and the heading that the flock has in common."""
+"""Polarisation (order parameter), and the heading that the flock has in common."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ register(
         "polarisation_motion",
         "polarisation, motion",
         "",
-        "Length of the mean of the unit directions of motion.",
+        "The order parameter: length of the mean of the unit directions of motion.",
         lambda run: run.once(_polarisation, "savitzky_golay"),
         panel=POLARISATION,
         numbers=(_polarisation_number("motion"),),
@@ -63,7 +63,8 @@ register(
         "polarisation_headings",
         "polarisation, headings",
         "",
-        "Length of the mean of the heading unit vectors: 1 when all robots point one way.",
+        "The order parameter: length of the mean of the heading unit vectors, 1 when all robots "
+        "point one way.",
         lambda run: run.once(_polarisation, "headings"),
         panel=POLARISATION,
         numbers=(_polarisation_number("headings"),),

@@ -1,4 +1,4 @@
-r"""Whether a flock goes one way: γ of neighbours, polarisation of all, the common heading.
+r"""Whether a flock goes one way: γ of neighbours, polarisation of all, common heading.
 
 Alignment is the mean cosine between an agent's direction and its neighbours',
 
@@ -112,7 +112,7 @@ def heading_vectors(poses: ArrayLike) -> Floats:
 def polarisation(velocities: ArrayLike, *, slowest: float = 0.0) -> Floats:
     """Return ‖mean of the unit directions‖ over the agents that move: 1 parallel, 0 none shared.
 
-    Unlike γ it asks nothing of neighbours, so two groups that part in opposite directions read
+    The order parameter of flocking.  Unlike γ it asks nothing of neighbours, so two groups that part in opposite directions read
     0 here and 1 there.  NaN where nobody moves.
 
     Parameters
