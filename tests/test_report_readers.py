@@ -19,6 +19,7 @@ from posflock_robotarium.cli import app
 from posflock_robotarium.flocking.errors import LogError, ParameterError
 from posflock_robotarium.flocking.pose_log import PoseLog
 from posflock_robotarium.logs.readers import (
+    Bounds,
     Form,
     Found,
     Sign,
