@@ -282,6 +282,8 @@ def is_analysis(path: str | os.PathLike[str]) -> bool:
     path : path
         The file; it need not be there.
     """
+    if not Path(path).is_file():
+        return False
     try:
         with zipfile.ZipFile(path) as archive:
             return "analysis.npy" in archive.namelist()

@@ -53,6 +53,10 @@ Array = Annotated[
 DropDamaged = Annotated[
     bool, typer.Option("--drop-damaged", help="Leave out rows that are not finite, as gaps.")
 ]
+LargestLog = Annotated[
+    float, typer.Option("--max-size", help="MB of memory that a log may take.", show_default=True)
+]
+MostRobots = Annotated[int, typer.Option("--max-robots", help="Robots that a log may have.")]
 Joined = Annotated[bool, typer.Option("--join", help="The files are parts of one run.")]
 
 # --- How to analyse them ------------------------------------------------------------------------

@@ -21,6 +21,8 @@ def report(
     dt: options.Step = None,
     array: options.Array = None,
     drop_damaged: options.DropDamaged = False,
+    max_size: options.LargestLog = 256.0,
+    max_robots: options.MostRobots = 200,
     join: options.Joined = False,
     radius: options.Radius = None,
     window: options.Window = 0.36,
@@ -47,7 +49,7 @@ def report(
 
     analyses = _analyse(
         logs,
-        _reading(layout, columns, dt, array, drop_damaged),
+        _reading(layout, columns, dt, array, drop_damaged, max_size, max_robots),
         radius,
         window,
         slowest,
@@ -97,6 +99,8 @@ def compare(
     dt: options.Step = None,
     array: options.Array = None,
     drop_damaged: options.DropDamaged = False,
+    max_size: options.LargestLog = 256.0,
+    max_robots: options.MostRobots = 200,
     radius: options.Radius = None,
     window: options.Window = 0.36,
     slowest: options.Slowest = 0.01,
@@ -118,7 +122,7 @@ def compare(
     from posflock_robotarium.alignment.comparison import compare as compare_runs
 
     with _resimulated(runs, resimulate) as logs:
-        reading = _reading(layout, columns, dt, array, drop_damaged)
+        reading = _reading(layout, columns, dt, array, drop_damaged, max_size, max_robots)
         analyses = _analyse(logs, reading, radius, window, slowest, transient, False)
     comparison = compare_runs(analyses, labels.split(",") if labels else None)
     if json:
@@ -147,6 +151,8 @@ def replay(
     dt: options.Step = None,
     array: options.Array = None,
     drop_damaged: options.DropDamaged = False,
+    max_size: options.LargestLog = 256.0,
+    max_robots: options.MostRobots = 200,
 ) -> None:
     """Film a run from above.
 
@@ -162,7 +168,7 @@ def replay(
     from posflock_robotarium.report import read
     from posflock_robotarium.report.video import write_video
 
-    recording = read(log, _reading(layout, columns, dt, array, drop_damaged))
+    recording = read(log, _reading(layout, columns, dt, array, drop_damaged, max_size, max_robots))
     with progress("filming") as told:
         write_video(recording, video, fps=fps, speed=speed, robot=recording.robot, progress=told)
     say(f"wrote {video}")
@@ -177,6 +183,8 @@ def convert(
     dt: options.Step = None,
     array: options.Array = None,
     drop_damaged: options.DropDamaged = False,
+    max_size: options.LargestLog = 256.0,
+    max_robots: options.MostRobots = 200,
 ) -> None:
     """Write a log in another tool's format.
 
@@ -198,7 +206,8 @@ def convert(
         raise ParameterError(f"--out {target} does not end in .{to}")
     if target.exists() and target.resolve() == log.resolve():
         raise ParameterError(f"{target} is the log itself; name another file with --out")
-    say(f"wrote {write(read(log, _reading(layout, columns, dt, array, drop_damaged)), target)}")
+    reading = _reading(layout, columns, dt, array, drop_damaged, max_size, max_robots)
+    say(f"wrote {write(read(log, reading), target)}")
 
 
 def _reading(
@@ -207,10 +216,14 @@ def _reading(
     dt: float | None,
     array: str | None,
     drop_damaged: bool,
+    max_size: float,
+    max_robots: int,
 ) -> "ReadOptions":
+    from posflock_robotarium.logs.readers import Bounds
     from posflock_robotarium.report import ReadOptions
 
-    return ReadOptions(layout, columns, dt, array, drop_damaged)
+    bounds = Bounds(max_size, max_robots)
+    return ReadOptions(layout, columns, dt, array, drop_damaged, bounds)
 
 
 def _analyse(

@@ -112,8 +112,8 @@ def heading_vectors(poses: ArrayLike) -> Floats:
 def polarisation(velocities: ArrayLike, *, slowest: float = 0.0) -> Floats:
     """Return ‖mean of the unit directions‖ over the agents that move: 1 parallel, 0 none shared.
 
-    The order parameter of flocking.  Unlike γ it asks nothing of neighbours, so two groups that part in opposite directions read
-    0 here and 1 there.  NaN where nobody moves.
+    The order parameter of flocking.  Unlike γ it asks nothing of neighbours, so two groups that
+    part in opposite directions read 0 here and 1 there.  NaN where nobody moves.
 
     Parameters
     ----------

@@ -3,6 +3,7 @@
 Each form of files is one module and one entry in the list below; `forms` says what an entry holds.
 """
 
+from posflock_robotarium.logs.readers.bounds import Bounds
 from posflock_robotarium.logs.readers.forms import (
     Form,
     Sign,
@@ -22,6 +23,7 @@ from posflock_robotarium.logs.readers.text import TEXT
 from posflock_robotarium.logs.run import LayoutError, Run
 
 __all__ = [
+    "Bounds",
     "Form",
     "Found",
     "LayoutError",

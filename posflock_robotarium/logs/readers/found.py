@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.flocking.errors import ParameterError
+from posflock_robotarium.logs.readers.bounds import BOUNDS, Bounds
 from posflock_robotarium.logs.readers.layouts import COLUMN_ORDERS
 
 Floats = NDArray[np.float64]
@@ -31,6 +32,8 @@ class ReadOptions:
         Which array of a file with several holds the poses.
     drop_damaged : bool
         Leave rows with values that are not finite out, and keep their place as a gap.
+    bounds : Bounds
+        How large the file may be.
 
     Raises
     ------
@@ -43,6 +46,7 @@ class ReadOptions:
     dt: float | None = None
     array: str | None = None
     drop_damaged: bool = False
+    bounds: Bounds = BOUNDS
 
     def __post_init__(self) -> None:
         if self.dt is not None and not (np.isfinite(self.dt) and self.dt > 0):

@@ -13,15 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.logs.readers.bounds import BOUNDS, Bounds
 from posflock_robotarium.logs.readers.forms import START, Form, Sign
 from posflock_robotarium.logs.readers.found import Found, ReadOptions
 from posflock_robotarium.logs.readers.matlab5 import read_matlab5
 from posflock_robotarium.logs.readers.named_arrays import poses_among
 
 Floats = NDArray[np.float64]
-
-LARGEST = 1 << 30
-"""Bytes of one variable beyond which a file is refused."""
 
 
 def find(file: Path, options: ReadOptions) -> Found:
@@ -40,7 +38,7 @@ def find(file: Path, options: ReadOptions) -> Found:
     LogError, LayoutError
         When the file is damaged, or more than one reading fits.
     """
-    variables, version = read_mat(file)
+    variables, version = read_mat(file, options.bounds)
     return poses_among(variables, str(file), options, f"{version} file")
 
 
@@ -60,13 +58,15 @@ MATLAB = Form(
 )
 
 
-def read_mat(path: Path) -> tuple[dict[str, Floats], str]:
+def read_mat(path: Path, bounds: Bounds = BOUNDS) -> tuple[dict[str, Floats], str]:
     """Read every numeric variable of a MATLAB file.
 
     Parameters
     ----------
     path : Path
         A file ``.mat``.
+    bounds : Bounds
+        To how much it may unpack.
 
     Returns
     -------
@@ -83,26 +83,32 @@ def read_mat(path: Path) -> tuple[dict[str, Floats], str]:
     with path.open("rb") as file:
         start = file.read(START)
     if _is_hdf5(start):
-        variables, kind = _read_hdf5(path), "MATLAB 7.3"
+        variables, kind = _read_hdf5(path, bounds), "MATLAB 7.3"
     else:
-        variables, kind = read_matlab5(path), "MATLAB 5"
+        variables, kind = read_matlab5(path, bounds), "MATLAB 5"
     if not variables:
         raise LogError(f"{path}: no numeric variable in it")
     return variables, kind
 
 
-def _read_hdf5(path: Path) -> dict[str, Floats]:
+def _read_hdf5(path: Path, bounds: Bounds) -> dict[str, Floats]:
     import h5py
 
     variables: dict[str, Floats] = {}
+    taken = 0
     try:
         with h5py.File(path, "r") as file:
             for name in file:
+                # What lies in other files is not this file's to give.
+                if isinstance(file.get(name, getlink=True), h5py.ExternalLink):
+                    continue
                 item = file.get(name)
                 if not isinstance(item, h5py.Dataset) or item.dtype.kind not in "fiu":
                     continue
-                if item.size is None or item.size * item.dtype.itemsize > LARGEST:
-                    raise LogError(f"{path}: {name}: claims shape {item.shape}, too large")
+                if item.is_virtual or item.external:
+                    continue
+                taken += (item.size or 0) * max(item.dtype.itemsize, 8)
+                bounds.require_size(taken, f"{path}: {name}: claims shape {item.shape}")
                 if item.attrs.get("MATLAB_empty", 0):
                     continue
                 variables[str(name)] = np.asarray(item[()], dtype=np.float64).T

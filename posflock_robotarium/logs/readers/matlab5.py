@@ -19,13 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.logs.readers.bounds import BOUNDS, Bounds
 
 Floats = NDArray[np.float64]
 
 HEADER = 128
-LARGEST = 1 << 28
-"""Bytes to which the elements of one file may unpack (900 s of 50 robots are 33 MB)."""
-
 MATRIX, COMPRESSED = 14, 15
 _TYPES = {
     1: "i1",
@@ -43,13 +41,15 @@ _NUMERIC_CLASSES = range(6, 16)  # double, single and the integers; not cell, st
 _COMPLEX = 0x800
 
 
-def read_matlab5(path: Path) -> dict[str, Floats]:
+def read_matlab5(path: Path, bounds: Bounds = BOUNDS) -> dict[str, Floats]:
     """Return the real numeric arrays of a file by name.
 
     Parameters
     ----------
     path : Path
         A file ``.mat`` of version 5.
+    bounds : Bounds
+        To how much its elements may unpack.
 
     Returns
     -------
@@ -61,6 +61,7 @@ def read_matlab5(path: Path) -> dict[str, Floats]:
     LogError
         Where the file is damaged.
     """
+    bounds.require_size(path.stat().st_size, str(path))
     content = path.read_bytes()
     if len(content) < HEADER:
         raise LogError(f"{path}: cut off within its header, {len(content)} bytes")
@@ -68,10 +69,10 @@ def read_matlab5(path: Path) -> dict[str, Floats]:
     if order is None:
         raise LogError(f"{path}: not a MATLAB 5 file: its mark of byte order is damaged")
     arrays: dict[str, Floats] = {}
-    left = LARGEST
+    left = bounds.bytes
     for kind, data in _elements(content[HEADER:], order, str(path)):
         if kind == COMPRESSED:
-            unpacked = _unpacked(data, left, str(path))
+            unpacked = _unpacked(data, left, bounds, str(path))
             left -= len(unpacked)
             for inner, matrix in _elements(unpacked, order, str(path)):
                 if inner == MATRIX:
@@ -128,15 +129,15 @@ def _array(content: bytes, order: str, where: str) -> dict[str, Floats]:
     return {label: flat.reshape(shape, order="F")}
 
 
-def _unpacked(data: bytes, most: int, where: str) -> bytes:
+def _unpacked(data: bytes, most: int, bounds: Bounds, where: str) -> bytes:
     """Decompress one element, to no more than `most` bytes."""
     machine = zlib.decompressobj()
     try:
-        unpacked = machine.decompress(data, most)
+        unpacked = machine.decompress(data, max(most, 1))  # 0 would be no bound
     except zlib.error as error:
         raise LogError(f"{where}: damaged compressed element ({error})") from error
     if machine.unconsumed_tail:
-        raise LogError(f"{where}: unpacks to more than {LARGEST >> 20} MB")
+        bounds.require_size(bounds.bytes + 1, f"{where}: unpacked")
     if not machine.eof:
         raise LogError(f"{where}: a compressed element is cut off")
     return unpacked

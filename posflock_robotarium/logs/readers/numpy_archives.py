@@ -15,13 +15,11 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.logs.readers.bounds import BOUNDS, Bounds
 from posflock_robotarium.logs.readers.forms import Form, Sign
 from posflock_robotarium.logs.readers.found import Found, ReadOptions
 from posflock_robotarium.logs.readers.named_arrays import poses_among
 from posflock_robotarium.logs.readers.numpy_arrays import read_header
-
-LARGEST_ARCHIVE = 1 << 28
-"""Bytes to which an archive may unpack."""
 
 
 def find(file: Path, options: ReadOptions) -> Found:
@@ -40,7 +38,7 @@ def find(file: Path, options: ReadOptions) -> Found:
     LogError, LayoutError
         When the file is damaged, or more than one reading fits.
     """
-    return poses_among(read_npz(file), str(file), options, "NumPy archive")
+    return poses_among(read_npz(file, options.bounds), str(file), options, "NumPy archive")
 
 
 NPZ = Form(
@@ -54,13 +52,15 @@ NPZ = Form(
 )
 
 
-def read_npz(path: Path) -> dict[str, NDArray[Any]]:
+def read_npz(path: Path, bounds: Bounds = BOUNDS) -> dict[str, NDArray[Any]]:
     """Read every array of a ``.npz`` archive.
 
     Parameters
     ----------
     path : Path
-        A file ``.npz``, which may unpack to `LARGEST_ARCHIVE` bytes at most.
+        A file ``.npz``.
+    bounds : Bounds
+        To how much it may unpack.
 
     Returns
     -------
@@ -76,8 +76,7 @@ def read_npz(path: Path) -> dict[str, NDArray[Any]]:
     try:
         with zipfile.ZipFile(path) as archive:
             members = [info for info in archive.infolist() if info.filename.endswith(".npy")]
-            if sum(info.file_size for info in members) > LARGEST_ARCHIVE:
-                raise LogError(f"{path}: claims more than {LARGEST_ARCHIVE >> 20} MB when unpacked")
+            bounds.require_size(sum(info.file_size for info in members), f"{path}: unpacked")
             for info in members:
                 name = info.filename[:-4]
                 with archive.open(info) as file:

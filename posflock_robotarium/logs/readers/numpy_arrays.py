@@ -16,6 +16,7 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.logs.readers.bounds import BOUNDS, Bounds
 from posflock_robotarium.logs.readers.forms import Form, Sign
 from posflock_robotarium.logs.readers.found import Found, ReadOptions
 from posflock_robotarium.logs.readers.layouts import increases, to_poses
@@ -24,9 +25,6 @@ from posflock_robotarium.logs.readers.named_arrays import floats, poses_among
 Floats = NDArray[np.float64]
 
 SIGNATURE = b"\x93NUMPY"
-
-LARGEST = 1 << 30
-"""Bytes of one array beyond which a file is refused (900 s of 50 robots are 33 MB)."""
 
 
 def find(file: Path, options: ReadOptions) -> Found:
@@ -45,7 +43,7 @@ def find(file: Path, options: ReadOptions) -> Found:
     LogError, LayoutError
         When the file is damaged, or more than one reading fits.
     """
-    array, where = read_npy(file), str(file)
+    array, where = read_npy(file, options.bounds), str(file)
     if array.dtype.names is not None:
         return poses_among(fields_of(array, where), where, options, "structured NumPy array")
     return _by_shape(floats(array, where), where, options)
@@ -81,13 +79,15 @@ def _by_shape(array: Floats, where: str, options: ReadOptions) -> Found:
     return Found(t, poses, (*notes, how))
 
 
-def read_npy(path: Path) -> NDArray[Any]:
+def read_npy(path: Path, bounds: Bounds = BOUNDS) -> NDArray[Any]:
     """Read one array, memory-mapped where that is possible.
 
     Parameters
     ----------
     path : Path
         A file ``.npy``.
+    bounds : Bounds
+        How large it may be.
 
     Returns
     -------
@@ -112,8 +112,7 @@ def read_npy(path: Path) -> NDArray[Any]:
             f"{path}: cut off at row {row} of {shape[0] if shape else 1}: "
             f"{there} bytes of {promised}"
         )
-    if promised > LARGEST:
-        raise LogError(f"{path}: {promised / 1e9:.1f} GB, larger than any run of the testbed")
+    bounds.require_size(promised, str(path))
     try:
         return np.asarray(np.load(path, mmap_mode="r", allow_pickle=False))
     except (ValueError, OSError, EOFError, OverflowError) as error:

@@ -11,12 +11,14 @@ from numpy.typing import NDArray
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.flocking.pose_log import log_paths, row_type
 from posflock_robotarium.flocking.row_file import digest_of
+from posflock_robotarium.logs.readers.bounds import BOUNDS, Bounds
 from posflock_robotarium.logs.readers.forms import Form, Sign
 from posflock_robotarium.logs.readers.found import ReadOptions
 from posflock_robotarium.logs.readers.named_arrays import floats
-from posflock_robotarium.logs.readers.numpy_arrays import SIGNATURE, read_npy
+from posflock_robotarium.logs.readers.numpy_arrays import SIGNATURE, read_header, read_npy
 from posflock_robotarium.logs.readers.parameters import LARGEST, from_json, rows_promised
 from posflock_robotarium.logs.run import Ending, How, Run, ending_of, missing_rows
+from rps_compat.bounded_files import read_bounded
 
 FIELDS = row_type(1).names or ()
 
@@ -24,12 +26,14 @@ FIELDS = row_type(1).names or ()
 def _recognises(file: Path, start: bytes) -> bool:
     if not start.startswith(SIGNATURE):
         return False
-    array = read_npy(file)
-    return array.dtype.names == FIELDS and array.ndim == 1
+    with file.open("rb") as stream:
+        shape, kind = read_header(stream, str(file))
+    return kind.names == FIELDS and len(shape) == 1
 
 
 def _read(file: Path, options: ReadOptions) -> Run:
-    return run_of(file, read_npy(file))  # it says all itself: no option is asked
+    # It says all else itself: no other option is asked.
+    return run_of(file, read_npy(file, options.bounds), options.bounds)
 
 
 POSE_LOG = Form(
@@ -44,7 +48,7 @@ POSE_LOG = Form(
 )
 
 
-def run_of(file: Path, rows: NDArray[Any]) -> Run:
+def run_of(file: Path, rows: NDArray[Any], bounds: Bounds = BOUNDS) -> Run:
     """Read our own log, whether the run ended well, was killed, or still goes on.
 
     Parameters
@@ -53,6 +57,8 @@ def run_of(file: Path, rows: NDArray[Any]) -> Run:
         The log's file; its description lies beside it.
     rows : (T,) array
         Rows of a pose log, a structured array.
+    bounds : Bounds
+        How many robots there may be.
 
     Raises
     ------
@@ -62,6 +68,7 @@ def run_of(file: Path, rows: NDArray[Any]) -> Run:
     if rows["pose"].ndim != 3 or rows["t"].ndim != 1 or rows.dtype["pose"].base.kind != "f":
         raise LogError(f"{file}: fields of a pose log with other shapes, {rows.dtype}")
     robots = rows["pose"].shape[2]
+    bounds.require_robots(robots, str(file))
     if rows.dtype.fields is None or rows["command"].shape[1:] != (2, robots):
         raise LogError(f"{file}: {robots} robots and commands of shape {rows['command'].shape[1:]}")
     # A copy: the file may be that of a run that still goes on, and grow while it is read.
@@ -131,11 +138,12 @@ def _words(status: NDArray[Any]) -> NDArray[np.str_] | None:
 
 def _sidecar(path: Path) -> dict[str, Any]:
     try:
-        if path.stat().st_size > LARGEST:
-            raise LogError(f"{path}: {path.stat().st_size} bytes, too large for a description")
-        text = path.read_text(encoding="utf-8")
+        text = read_bounded(path, LARGEST).decode("utf-8")
     except FileNotFoundError:
         return {}
-    except (OSError, ValueError) as error:
+    except OSError as error:
+        reason = error.strerror or error
+        raise LogError(f"{path}: cannot be read as a description ({reason})") from error
+    except ValueError as error:
         raise LogError(f"{path}: not readable as JSON ({error})") from error
     return from_json(text, str(path))

@@ -7,7 +7,8 @@ version 7.3, or a ``.txt`` with commas, is read for what it is.
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,8 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from posflock_robotarium.flocking.errors import LogError, ParameterError
+from posflock_robotarium.flocking.errors import LogError, ParameterError, PosflockError
 from posflock_robotarium.flocking.pose_log import log_paths
+from posflock_robotarium.logs.readers.bounds import Bounds
 from posflock_robotarium.logs.readers.forms import form_of
 from posflock_robotarium.logs.readers.found import Found, ReadOptions
 from posflock_robotarium.logs.readers.named_arrays import poses_among
@@ -55,10 +57,11 @@ def read(path: str | os.PathLike[str], options: ReadOptions | None = None) -> Ru
     """
     options = options or ReadOptions()
     file = _existing(Path(path))
-    found = form_of(file).read(file, options)
-    if isinstance(found, Run):
-        return found
-    return _recording(found, file.stem, (str(file),), options)
+    with _named(file):
+        found = form_of(file).read(file, options)
+        if isinstance(found, Run):
+            return found
+        return _recording(found, file.stem, (str(file),), options)
 
 
 def read_pose_log(path: str | os.PathLike[str]) -> Run:
@@ -75,8 +78,9 @@ def read_pose_log(path: str | os.PathLike[str]) -> Run:
         When the file is missing, damaged or no pose log, or holds fewer than two rows.
     """
     file = _existing(Path(path))
-    if form_of(file) is POSE_LOG:
-        return run_of(file, read_npy(file))
+    with _named(file):
+        if form_of(file) is POSE_LOG:
+            return run_of(file, read_npy(file))
     raise LogError(f"{file}: not a pose log; expected rows with the fields {', '.join(FIELDS)}")
 
 
@@ -106,13 +110,24 @@ def read_parts(paths: Sequence[str | os.PathLike[str]], options: ReadOptions | N
         raise ParameterError("no file to read")
     if len(files) == 1:
         return read(files[0], options)
-    named = _complementary(files)
+    named = _complementary(files, options.bounds)
     if named is not None:
         sources = tuple(str(file) for file in files)
         found = poses_among(named, " + ".join(file.name for file in files), options)
         joined = f"{len(files)} files that complement each other: {', '.join(named)}"
         return _recording(found, files[0].parent.name or "run", sources, options).noted(joined)
     return _concatenate([read(file, options) for file in files])
+
+
+@contextmanager
+def _named(file: Path) -> Iterator[None]:
+    """Let whatever a reader did not expect be an error that names the file."""
+    try:
+        yield
+    except PosflockError:
+        raise
+    except Exception as error:
+        raise LogError(f"{file}: cannot be read ({type(error).__name__}: {error})") from error
 
 
 def _existing(path: Path) -> Path:
@@ -129,6 +144,7 @@ def _existing(path: Path) -> Path:
 
 def _recording(found: Found, name: str, sources: tuple[str, ...], options: ReadOptions) -> Run:
     """Time what was found, leave out what is none, and check it."""
+    options.bounds.require_robots(found.poses.shape[2], sources[0])
     timed, doubts = found.t is not None, missing_rows(len(found.poses), found.promised)
     found = _without_tail(_timed(found, sources[0], options))
     if options.drop_damaged:
@@ -213,7 +229,7 @@ def _reached(poses: Floats) -> int:
     return int(filled[-1]) + 1 if filled.size else 0
 
 
-def _complementary(files: list[Path]) -> dict[str, NDArray[Any]] | None:
+def _complementary(files: list[Path], bounds: Bounds) -> dict[str, NDArray[Any]] | None:
     """Return the files as named arrays when one of them is a time, or they are x, y and θ."""
     if any(form_of(file) is not NPY for file in files):
         return None
@@ -222,7 +238,7 @@ def _complementary(files: list[Path]) -> dict[str, NDArray[Any]] | None:
     prefix = starts.pop() if len(starts) == 1 else ""
     named: dict[str, NDArray[Any]] = {}
     for file in files:
-        array = read_npy(file)
+        array = read_npy(file, bounds)
         if array.dtype.names is not None:
             return None
         named[file.stem.removeprefix(prefix)] = array

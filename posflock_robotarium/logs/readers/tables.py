@@ -6,7 +6,6 @@ Whatever separates the cells, wherever comments stand: damage is told with file,
 from __future__ import annotations
 
 import csv
-import io
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,12 +16,10 @@ from numpy.typing import NDArray
 
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.logs.readers import parameters
+from posflock_robotarium.logs.readers.bounds import BOUNDS, LONGEST_LINE, TEXT_TAKES, Bounds
 from posflock_robotarium.logs.readers.names import names_a_column
 
 Floats = NDArray[np.float64]
-
-LARGEST = 1 << 30
-"""Bytes of text beyond which a file is refused (900 s of 50 robots are 60 MB)."""
 
 
 @dataclass(frozen=True)
@@ -59,13 +56,15 @@ class Table:
     torn: bool = False
 
 
-def read_table(path: Path) -> Table:
+def read_table(path: Path, bounds: Bounds = BOUNDS) -> Table:
     """Read a rectangular table of numbers.
 
     Parameters
     ----------
     path : Path
         Comma, semicolon, tab or blank separated; ``#`` and ``%`` start comments.
+    bounds : Bounds
+        How much memory its reading may take.
 
     Returns
     -------
@@ -77,18 +76,9 @@ def read_table(path: Path) -> Table:
     LogError
         With file, line and reason, when a cell is not a number or rows differ in length.
     """
-    size = path.stat().st_size
-    if size > LARGEST:
-        raise LogError(f"{path}: {size / 1e9:.1f} GB of text; convert it to .npy first")
-    raw = path.read_bytes()
-    if b"\0" in raw[:4096]:
-        raise LogError(f"{path}: a binary file, not text; expected .npy, .npz, .mat or CSV")
-    try:
-        text = raw.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = raw.count(b"\n", 0, error.start) + 1
-        raise LogError(f"{path}: line {line}: not UTF-8 text") from error
+    text = _text(path, bounds)
     lines = text.splitlines()
+    _refuse_long_lines(path, lines)
     start = next((i for i, line in enumerate(lines) if _content(line)), None)
     if start is None:
         raise LogError(f"{path}: empty, no row of numbers in it")
@@ -122,6 +112,28 @@ def read_table(path: Path) -> Table:
             f"{path}: the header names {len(names)} columns, the rows have {values.shape[1]}"
         )
     return Table(path, values, names, delimiter, said, decimal_comma, promised, torn)
+
+
+def _text(path: Path, bounds: Bounds) -> str:
+    bounds.require_size(TEXT_TAKES * path.stat().st_size, str(path))
+    raw = path.read_bytes()
+    if b"\0" in raw[:4096]:
+        raise LogError(f"{path}: a binary file, not text; expected .npy, .npz, .mat or CSV")
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = raw.count(b"\n", 0, error.start) + 1
+        raise LogError(f"{path}: line {line}: not UTF-8 text") from error
+
+
+def _refuse_long_lines(path: Path, lines: list[str]) -> None:
+    """Refuse lines that no table has; the one in which a log carries its parameters may be long."""
+    for number, line in enumerate(lines, start=1):
+        if len(line) > LONGEST_LINE and not line.startswith(f"# {parameters.NAME}: "):
+            raise LogError(
+                f"{path}: line {number}: {len(line)} letters, more than the {LONGEST_LINE} that a"
+                " line may have"
+            )
 
 
 def _content(line: str) -> str:
@@ -172,14 +184,14 @@ def _is_number(cell: str) -> bool:
 
 
 def _numbers(path: Path, lines: list[str], start: int, delimiter: str) -> Floats:
-    body = "\n".join(lines[start:])
-    if not any(_content(line) for line in lines[start : start + 100]):
-        body = "\n".join(line for line in lines[start:] if _content(line))
+    body = lines[start:]
+    if not any(_content(line) for line in body[:100]):
+        body = [line for line in body if _content(line)]
     if not body:
         raise LogError(f"{path}: a header and no row of numbers")
     try:
         values = np.loadtxt(
-            io.StringIO(body),
+            body,
             delimiter=None if delimiter == " " else delimiter,
             comments=["#", "%"],
             ndmin=2,

@@ -58,7 +58,7 @@ def read_text(path: Path, options: ReadOptions) -> Found:
     LogError, LayoutError
         See `read_table` and `layouts.to_poses`.
     """
-    table = read_table(path)
+    table = read_table(path, options.bounds)
     notes = [f"text, {_SEPARATORS[table.delimiter]} separated, {table.values.shape[0]} rows"]
     if table.decimal_comma:
         notes.append("commas between digits are decimal points")
