@@ -65,7 +65,7 @@ TARGETS = {
         ("test_barrier_relaxed", "test_barrier_projection", "test_barrier_large_numbers"),
     ),
     "arena": Target(
-        ("rps_compat/arena.py", "rps_compat/violations.py"),
+        ("rps_compat/arena.py", "rps_compat/arena_guests.py", "rps_compat/violations.py"),
         ("test_arena_edges", "test_arena", "test_robotarium_faces"),
     ),
     "numbers": Target(
