@@ -109,7 +109,8 @@ def written_together(folder: Path) -> Iterator[Path]:
         draft.mkdir()
         try:
             yield draft
-            for path in sorted(path for path in draft.rglob("*") if not path.is_dir()):
+            files = _handed_to_disk(draft)
+            for path in files:
                 place = folder / path.relative_to(draft)
                 place.parent.mkdir(parents=True, exist_ok=True)
                 os.replace(path, os.path.realpath(place))
@@ -143,6 +144,7 @@ def atomic_folder(folder: Path) -> Iterator[Path]:
         draft.mkdir()
         try:
             yield draft
+            _handed_to_disk(draft)
             if place.exists():
                 os.replace(place, earlier)
             try:
@@ -220,6 +222,14 @@ def _runs(process: int) -> bool:
     except PermissionError:
         pass
     return True
+
+
+def _handed_to_disk(folder: Path) -> list[Path]:
+    """Return all files of a folder in order, each with its content on the disk."""
+    files = sorted(path for path in folder.rglob("*") if not path.is_dir())
+    for file in files:
+        _hand_to_disk(file)
+    return files
 
 
 def _hand_to_disk(file: Path) -> None:
