@@ -108,7 +108,8 @@ def written_together(folder: Path) -> Iterator[Path]:
         draft = _draft_in(folder)
         draft.mkdir()
         try:
-            yield draft
+            with _named_after(folder, draft):
+                yield draft
             files = _handed_to_disk(draft)
             for path in files:
                 place = folder / path.relative_to(draft)
@@ -143,7 +144,8 @@ def atomic_folder(folder: Path) -> Iterator[Path]:
         _put_back(earlier, place)
         draft.mkdir()
         try:
-            yield draft
+            with _named_after(folder, draft):
+                yield draft
             _handed_to_disk(draft)
             if place.exists():
                 os.replace(place, earlier)
@@ -200,6 +202,15 @@ def _told(path: Path) -> Iterator[None]:
         raise
     except OSError as error:
         raise OutputError(f"{path}: cannot be written ({error.strerror or error})") from error
+
+
+@contextmanager
+def _named_after(folder: Path, draft: Path) -> Iterator[None]:
+    """Let errors name the files as they would have been called in the end."""
+    try:
+        yield
+    except OutputError as error:
+        raise OutputError(str(error).replace(str(draft), str(folder))) from error
 
 
 def _mode_for(place: Path) -> int:
