@@ -17,8 +17,10 @@ import signal
 import sys
 import tempfile
 import time
+import traceback
 import warnings
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -123,35 +125,48 @@ def attempt(path: Path) -> str:
     return "recording" if sound else "unsound recording"
 
 
-def child(
-    numbers: range, originals: list[Path], folder: Path, seed: int, keep: Path | None, pipe: int
-) -> None:
-    """Damage and read some files; tell each outcome before the next is begun."""
-    resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    warnings.simplefilter("error")
+One = Callable[[int, Path], tuple[str, str]]
+"""Makes one damaged file in a folder and reads it; returns its name, and how it went."""
+
+
+def damaged(originals: list[Path], seed: int) -> One:
+    """Return what damages the bytes of sound files and reads them."""
     contents = {path: path.read_bytes() for path in originals}
-    for number in numbers:
+
+    def one(number: int, work: Path) -> tuple[str, str]:
         rng = np.random.default_rng([seed, number])
         original = originals[number % len(originals)]
         other = originals[int(rng.integers(0, len(originals)))]
-        work = folder / "work"
-        shutil.rmtree(work, ignore_errors=True)
-        work.mkdir()
         for path, content in contents.items():
             if path.stem == original.stem:
                 (work / path.name).write_bytes(content)
-        (work / original.name).write_bytes(damage(contents[original], contents[other], rng))
-        signal.alarm(MOST_SECONDS)
         target = work / original.name
-        outcome = attempt(target.with_suffix(".npy") if target.suffix == ".json" else target)
+        target.write_bytes(damage(contents[original], contents[other], rng))
+        return original.name, attempt(
+            target.with_suffix(".npy") if target.suffix == ".json" else target
+        )
+
+    return one
+
+
+def child(numbers: range, one: One, folder: Path, keep: Path | None, pipe: int) -> None:
+    """Make and read some files; tell each outcome before the next is begun."""
+    resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    warnings.simplefilter("error")
+    work = folder / "work"
+    for number in numbers:
+        shutil.rmtree(work, ignore_errors=True)
+        work.mkdir()
+        signal.alarm(MOST_SECONDS)
+        name, outcome = one(number, work)
         signal.alarm(0)
         if outcome not in GOOD:
             _keep(folder, keep, number)
-        os.write(pipe, f"{number}\t{original.name}\t{outcome[:300]!r}\n".encode())
+        os.write(pipe, f"{number}\t{name}\t{outcome[:300]!r}\n".encode())
 
 
-def run(files: int, seed: int, keep: Path | None) -> tuple[Counter[str], list[str]]:
+def run(files: int, one: One, folder: Path, keep: Path | None) -> tuple[Counter[str], list[str]]:
     """Read every damaged file; return outcomes, and what went wrong in words."""
     outcomes: Counter[str] = Counter()
     wrong: list[str] = []
@@ -159,39 +174,36 @@ def run(files: int, seed: int, keep: Path | None) -> tuple[Counter[str], list[st
     import h5py  # noqa: F401
     import scipy.io  # noqa: F401
 
-    with tempfile.TemporaryDirectory() as place:
-        folder = Path(place)
-        (folder / "seeds").mkdir()
-        originals = seeds(folder / "seeds")
-        number = 0
-        while number < files:
-            last = min(number + BATCH, files)
-            reader, writer = os.pipe()
-            process = os.fork()
-            if process == 0:
-                os.close(reader)
-                try:
-                    child(range(number, last), originals, folder, seed, keep, writer)
-                finally:
-                    os._exit(0)
-            os.close(writer)
-            with os.fdopen(reader) as told:
-                for line in told:
-                    done, name, outcome = line.rstrip("\n").split("\t", 2)
-                    number = int(done) + 1
-                    kind = outcome.strip("'\"").split(":")[0]
-                    outcomes[kind] += 1
-                    if kind not in GOOD:
-                        wrong.append(f"file {done} ({name}): {outcome}")
-            _, status = os.waitpid(process, 0)
-            if number < last:
-                name = originals[number % len(originals)].name
-                how = signal.Signals(os.WTERMSIG(status)).name if os.WIFSIGNALED(status) else "exit"
-                kind = "hang" if how == "SIGALRM" else f"crash {how}"
+    number = 0
+    while number < files:
+        last = min(number + BATCH, files)
+        reader, writer = os.pipe()
+        process = os.fork()
+        if process == 0:
+            os.close(reader)
+            try:
+                child(range(number, last), one, folder, keep, writer)
+            except BaseException:
+                traceback.print_exc()
+            finally:
+                os._exit(0)
+        os.close(writer)
+        with os.fdopen(reader) as told:
+            for line in told:
+                done, name, outcome = line.rstrip("\n").split("\t", 2)
+                number = int(done) + 1
+                kind = outcome.strip("'\"").split(":")[0]
                 outcomes[kind] += 1
-                wrong.append(f"file {number} ({name}): {kind}")
-                _keep(folder, keep, number)
-                number += 1
+                if kind not in GOOD:
+                    wrong.append(f"file {done} ({name}): {outcome}")
+        _, status = os.waitpid(process, 0)
+        if number < last:
+            how = signal.Signals(os.WTERMSIG(status)).name if os.WIFSIGNALED(status) else "exit"
+            kind = "hang" if how == "SIGALRM" else f"crash {how}"
+            outcomes[kind] += 1
+            wrong.append(f"file {number}: {kind}")
+            _keep(folder, keep, number)
+            number += 1
     return outcomes, wrong
 
 
@@ -207,9 +219,17 @@ def main() -> int:
     parser.add_argument("--keep", type=Path, help="folder for files that were read wrongly")
     options = parser.parse_args()
     begun = time.perf_counter()
-    outcomes, wrong = run(options.files, options.seed, options.keep)
-    took = time.perf_counter() - begun
-    print(f"{sum(outcomes.values())} damaged files in {took:.0f} s, required {FILES}")
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
+        (folder / "seeds").mkdir()
+        one = damaged(seeds(folder / "seeds"), options.seed)
+        outcomes, wrong = run(options.files, one, folder, options.keep)
+    return tell(outcomes, wrong, time.perf_counter() - begun, FILES)
+
+
+def tell(outcomes: Counter[str], wrong: list[str], took: float, required: int) -> int:
+    """Print how it went, and return the exit code."""
+    print(f"{sum(outcomes.values())} damaged files in {took:.0f} s, required {required}")
     for kind, count in outcomes.most_common():
         print(f"  {count:6d}  {kind}")
     for line in wrong[:20]:

@@ -108,8 +108,10 @@ def written_together(folder: Path) -> Iterator[Path]:
         draft = _draft_in(folder)
         draft.mkdir()
         try:
-            yield draft
-            for path in sorted(path for path in draft.rglob("*") if not path.is_dir()):
+            with _named_after(folder, draft):
+                yield draft
+            files = _handed_to_disk(draft)
+            for path in files:
                 place = folder / path.relative_to(draft)
                 place.parent.mkdir(parents=True, exist_ok=True)
                 os.replace(path, os.path.realpath(place))
@@ -142,7 +144,9 @@ def atomic_folder(folder: Path) -> Iterator[Path]:
         _put_back(earlier, place)
         draft.mkdir()
         try:
-            yield draft
+            with _named_after(folder, draft):
+                yield draft
+            _handed_to_disk(draft)
             if place.exists():
                 os.replace(place, earlier)
             try:
@@ -200,6 +204,15 @@ def _told(path: Path) -> Iterator[None]:
         raise OutputError(f"{path}: cannot be written ({error.strerror or error})") from error
 
 
+@contextmanager
+def _named_after(folder: Path, draft: Path) -> Iterator[None]:
+    """Let errors name the files as they would have been called in the end."""
+    try:
+        yield
+    except OutputError as error:
+        raise OutputError(str(error).replace(str(draft), str(folder))) from error
+
+
 def _mode_for(place: Path) -> int:
     """Return the permissions of a file that takes this place: those of the one that is there."""
     if not place.exists():
@@ -220,6 +233,14 @@ def _runs(process: int) -> bool:
     except PermissionError:
         pass
     return True
+
+
+def _handed_to_disk(folder: Path) -> list[Path]:
+    """Return all files of a folder in order, each with its content on the disk."""
+    files = sorted(path for path in folder.rglob("*") if not path.is_dir())
+    for file in files:
+        _hand_to_disk(file)
+    return files
 
 
 def _hand_to_disk(file: Path) -> None:

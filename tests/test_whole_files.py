@@ -6,6 +6,7 @@ import signal
 import stat
 import subprocess
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -117,6 +118,18 @@ def test_drafts_of_processes_that_run_stay(tmp_path):
     with atomic_write(tmp_path / "file") as draft:
         remove_drafts(tmp_path)
         assert draft.exists()
+
+
+def test_an_error_names_the_file_as_it_would_have_been_called(tmp_path):
+    with pytest.raises(OutputError, match=rf"^{tmp_path}/missing/a: cannot be written"):
+        half_written(tmp_path / "b", OutputError("unused"), named_wrongly)
+
+
+@contextmanager
+def named_wrongly(folder):
+    with written_together(folder) as draft:
+        write_whole(draft / "missing" / "a", "text")
+        yield draft
 
 
 def test_files_that_belong_together_are_all_new_or_all_old(tmp_path):

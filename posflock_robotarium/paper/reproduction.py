@@ -15,7 +15,7 @@ from posflock_robotarium.paper.claims import judge_all
 from posflock_robotarium.paper.evidence import Evidence
 from posflock_robotarium.paper.gathering import gather
 from posflock_robotarium.paper.tables import over_seeds, qualitative, varied
-from rps_compat.whole_files import write_whole
+from rps_compat.whole_files import write_whole, written_together
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +82,7 @@ def reproduce(
     """
     from posflock_robotarium.paper.paper_figures import draw_all
 
-    paths = _require_folder(folder)
+    _require_folder(folder)
     evidence = gather(
         seeds,
         first_seed=first_seed,
@@ -92,10 +92,13 @@ def reproduce(
         progress=progress,
     )
     judgements = judge_all(evidence)
-    for name, text in _texts(evidence, judgements).items():
-        paths.append(write_whole(folder / name, text.rstrip("\n") + "\n"))
-    paths.extend(draw_all(evidence, folder / "figures"))
-    return Reproduction(evidence, judgements, paths)
+    with written_together(folder) as draft:
+        paths = [
+            write_whole(draft / name, text.rstrip("\n") + "\n")
+            for name, text in _texts(evidence, judgements).items()
+        ]
+        paths += draw_all(evidence, draft / "figures")
+    return Reproduction(evidence, judgements, [folder / p.relative_to(draft) for p in paths])
 
 
 def _texts(evidence: Evidence, judgements: list[Judgement]) -> dict[str, str]:
@@ -149,7 +152,7 @@ def claims_page(judgements: list[Judgement], evidence: Evidence) -> str:
     return "\n".join(lines)
 
 
-def _require_folder(folder: Path) -> list[Path]:
+def _require_folder(folder: Path) -> None:
     """Make the folder, or refuse before minutes of computing are lost."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -158,4 +161,3 @@ def _require_folder(folder: Path) -> list[Path]:
         probe.unlink()
     except OSError as error:
         raise OutputError(f"cannot write into {folder}: {error.strerror}") from error
-    return []

@@ -42,6 +42,7 @@ from rps_compat.running.outcome import Ended, Outcome
 from rps_compat.running.plan import RunPlan
 from rps_compat.running.policy_violations import PolicyKind
 from rps_compat.scripts import import_graph
+from rps_compat.whole_files import remove_drafts
 
 if TYPE_CHECKING:
     from rps_compat.realism import Profile
@@ -346,6 +347,7 @@ def _empty(out: Path) -> None:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(f"cannot write into {out}: {error}") from error
+    remove_drafts(out)  # of a rehearsal that was killed
     if any(out.iterdir()):
         raise OutputError(f"{out} is not empty; choose a new folder for what comes back")
 

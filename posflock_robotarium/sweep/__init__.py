@@ -7,7 +7,8 @@ experiments  what can be run: a name, its parameters, a function of parameters a
 points       the experiment ``freespace``; robots: the experiment of that name
 sources      the code behind an experiment: when it changes, its runs are computed again
 store        finished runs on disk, appended; whatever kills the sweep, they stay
-execution    what is missing is computed, by local processes or on a Dask cluster
+execution    what is missing is computed, by processes of this machine
+cluster      the same on a Dask cluster
 results      tidy tables, medians with confidence intervals, figures
 ===========  ==========================================================================
 """
