@@ -23,7 +23,7 @@ START_SIDE, START_SPACING = 1.0, 0.30
 
 
 @dataclass
-class Noise:
+class WhiteNoise:
     """The simplest imperfect arena: every velocity and every measured position is off.
 
     Attributes
@@ -126,7 +126,7 @@ def drive(seed: int, *, imperfect: bool, duration: float = DURATION) -> Drive:
         ROBOTS, np.random.default_rng(seed), side=START_SIDE, spacing=START_SPACING
     )
     flock = Flock()
-    trial = simulate(flock, start, duration, realism=Noise() if imperfect else None, seed=seed)
+    trial = simulate(flock, start, duration, realism=WhiteNoise() if imperfect else None, seed=seed)
     log = trial.truth()
     analysis = analyse(log)
     curves = analysis.curves
