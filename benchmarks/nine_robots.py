@@ -30,7 +30,7 @@ from posflock_robotarium.alignment.summary import Summary, summarise
 from posflock_robotarium.flocking.flock import Flock
 from posflock_robotarium.flocking.placement import random_poses
 from posflock_robotarium.flocking.pose_log import PoseLog
-from posflock_robotarium.paper.robots import Noise
+from posflock_robotarium.paper.robots import WhiteNoise
 from posflock_robotarium.simulation.flock_trial import simulate
 from rps_compat.arena import Arena, Array
 
@@ -54,7 +54,7 @@ def study(seeds: int, walls: str = "steer", noisy: bool = False) -> list[Summary
                 Flock(walls=walls),
                 start_of(seed),
                 DURATION,
-                realism=Noise() if noisy else None,
+                realism=WhiteNoise() if noisy else None,
                 seed=seed,
             ).truth()
         )

@@ -37,7 +37,7 @@ _SAFETY = 0.01  # m that the certificate keeps beyond the collision diameter
 _PATIENCE = 90  # steps without progress before the robots are shaken
 
 
-class Drive:
+class InitialDrive:
     """Commands that bring a team to its initial conditions.
 
     Parameters
@@ -192,7 +192,7 @@ def drive_to(
     targets : (3, N) array
         Where each robot is to stand, m and rad.
     rng : Generator
-        As for `Drive`.
+        As for `InitialDrive`.
     after_step : callable
         Is called after each step, for sensors and windows.
 
@@ -203,7 +203,7 @@ def drive_to(
     UnreachableError
         They did not arrive; the message says which, and how far they were.
     """
-    drive = Drive(targets, arena.robot, rng)
+    drive = InitialDrive(targets, arena.robot, rng)
     for _ in drive.steps():
         poses = arena.observe()
         if drive.arrived(poses):

@@ -30,7 +30,7 @@ TARGET: Literal[2] = 2
 
 
 @dataclass(frozen=True)
-class Finding:
+class LintFinding:
     """Something to change.
 
     Attributes
@@ -64,7 +64,7 @@ class Finding:
         return self.needed and self.kind is not ChangeKind.DEFAULT and not self.edits
 
 
-def findings_of(script: Script) -> list[Finding]:
+def findings_of(script: Script) -> list[LintFinding]:
     """List what has to change in a script and in the modules beside it, by file and line.
 
     Parameters
@@ -94,12 +94,12 @@ def findings_of(script: Script) -> list[Finding]:
         its = (*edits.get(use, ()), *porting.edits_at.get(use.node, ()))
         file = use.module.script.path.name if use.module.name else ""
         message = f"{use.what}; {use.remedy(TARGET)}"
-        found.append(Finding(use.line, _kind_of(use), message, its, file))
-    found += [Finding(p.line, p.kind, p.message, p.edits) for p in ported]
+        found.append(LintFinding(use.line, _kind_of(use), message, its, file))
+    found += [LintFinding(p.line, p.kind, p.message, p.edits) for p in ported]
     return _merged(found)
 
 
-def findings_in(source: bytes, name: str = "script") -> list[Finding]:
+def findings_in(source: bytes, name: str = "script") -> list[LintFinding]:
     """List what has to change in the bytes of a script.
 
     Parameters
@@ -117,20 +117,20 @@ def findings_in(source: bytes, name: str = "script") -> list[Finding]:
     return findings_of(parse_script(source, name))
 
 
-def rewritten(script: Script, findings: list[Finding]) -> bytes:
+def rewritten(script: Script, findings: list[LintFinding]) -> bytes:
     """Return the script with the edits of all `findings` made; the rest stays as it was.
 
     Parameters
     ----------
     script : Script
         The script, as read.
-    findings : list of Finding
+    findings : list of LintFinding
         What is changed.
     """
     return editing.rewritten(script, [edit for finding in findings for edit in finding.edits])
 
 
-def lint_script(path: Path) -> tuple[Script, list[Finding]]:
+def lint_script(path: Path) -> tuple[Script, list[LintFinding]]:
     """Read a script and list its findings.
 
     Parameters
@@ -163,9 +163,9 @@ def _kind_of(use: Use) -> ChangeKind:
     return ChangeKind.VERSION
 
 
-def _merged(found: list[Finding]) -> list[Finding]:
+def _merged(found: list[LintFinding]) -> list[LintFinding]:
     """Tell what is wrong several times in one line once, with all its edits."""
-    merged: dict[tuple[str, int, str, str], Finding] = {}
+    merged: dict[tuple[str, int, str, str], LintFinding] = {}
     for finding in found:
         key = finding.file, finding.line, finding.message, finding.kind
         edits = merged[key].edits if key in merged else ()

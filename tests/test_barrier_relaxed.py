@@ -12,7 +12,7 @@ from barrier_certificates import solvers
 from barrier_certificates.certificate_errors import InfeasibleError, ParameterError, ShapeError
 from barrier_certificates.projection import ProjectionInfo, Projector, Status
 from barrier_certificates.projection.infeasible import least_broken
-from barrier_certificates.projection.scaled_program import TOLERANCE, Program
+from barrier_certificates.projection.scaled_program import TOLERANCE, QuadraticProgram
 from barrier_certificates.rows.row_set import Rows
 from barrier_certificates.single_integrator import SingleIntegratorCertificate
 
@@ -98,7 +98,7 @@ class Told:
 
 def told(rows, velocity, command=None, top=0.2):
     search = Told(*velocity)
-    program = Program.of(np.zeros(rows.size) if command is None else command, rows, top)
+    program = QuadraticProgram.of(np.zeros(rows.size) if command is None else command, rows, top)
     return least_broken(program, search, ProjectionInfo(Status.OPTIMAL)), search
 
 

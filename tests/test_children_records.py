@@ -11,7 +11,7 @@ from posflock_robotarium.logs.recorder import open_pose_log
 from rps_compat.arena import Arena
 from rps_compat.children import VARIABLE, names
 from rps_compat.children.plan import ChildError
-from rps_compat.children.records import Instance, InstanceRecord, Record
+from rps_compat.children.records import InstanceRecord, Record, RobotariumInstance
 from rps_compat.recording import Recording
 from rps_compat.report import report_of, report_on
 from rps_compat.run_settings import RunSettings
@@ -65,7 +65,7 @@ def test_the_environment_is_left_as_it_was(tmp_path, monkeypatch):
 
 def test_a_record_is_true_after_every_step(tmp_path):
     arena = Arena(np.array([[0, 0.1, 1.0], [0, 0, 0.99], [0, 0, np.pi / 2]]))
-    instance = Instance("process-1", 1, 3, "")
+    instance = RobotariumInstance("process-1", 1, 3, "")
     record = InstanceRecord(tmp_path, instance)
 
     class Recorder:

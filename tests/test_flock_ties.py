@@ -23,7 +23,7 @@ from rps_compat import testbed
 from rps_compat.arena import Arena
 from rps_compat.clock import SimulatedClock
 from rps_compat.report import report_of
-from rps_compat.running.measures import Measures as RunMeasures
+from rps_compat.running.measures import RunMeasures
 from rps_compat.running.outcome import Ended, Failure, Gap, Outcome, Silence
 from rps_compat.testbed import GTERNAL
 from rps_compat.violations import Violations

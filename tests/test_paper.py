@@ -13,7 +13,7 @@ from posflock_robotarium.cli import app
 from posflock_robotarium.figures.style import new_figure, save
 from posflock_robotarium.flocking.errors import OutputError, ParameterError
 from posflock_robotarium.freespace.simulation import FreeSpace, Model, simulate
-from posflock_robotarium.paper.claim import Claim, Sense, Verdict
+from posflock_robotarium.paper.claim import Claim, Result, Sense
 from posflock_robotarium.paper.claims import CLAIMS, judge_all
 from posflock_robotarium.paper.gathering import gather
 from posflock_robotarium.paper.reproduction import reproduce
@@ -61,15 +61,15 @@ def test_claims_are_recomputed_and_written(found):
 def test_the_paper_itself_is_judged_as_it_was_measured(whole):
     verdicts = {judgement.claim.id: judgement.verdict for judgement in whole.judgements}
     for id_ in ("variance-increases", "no-collisions", "imprint-fades", "smaller-radius"):
-        assert verdicts[id_] is Verdict.DOES_NOT_HOLD, id_
+        assert verdicts[id_] is Result.DOES_NOT_HOLD, id_
     for id_ in ("persistent-direction", "more-compact", "constant-radius", "robots-safe"):
-        assert verdicts[id_] is Verdict.HOLDS, id_
+        assert verdicts[id_] is Result.HOLDS, id_
 
 
 @pytest.mark.parametrize("id_", ["no-collisions", "imprint-fades", "variance-increases"])
 def test_sentences_that_do_not_hold_are_said_not_to(found, id_):
     (judgement,) = [j for j in found.judgements if j.claim.id == id_]
-    assert judgement.verdict is Verdict.DOES_NOT_HOLD
+    assert judgement.verdict is Result.DOES_NOT_HOLD
 
 
 @pytest.mark.parametrize(
@@ -88,7 +88,7 @@ def test_a_verdict_follows_from_the_number(sense, value, verdict):
     sign = 1.0 if sense == "at least" else -1.0
     claim = Claim("x", "", "", lambda _: value, Sense(sense), 2.0 * sign, 1.0 * sign)
     judgement = claim.judge(None)
-    assert judgement.verdict is Verdict(verdict)
+    assert judgement.verdict is Result(verdict)
     json.dumps(judgement.as_dict(), allow_nan=False)
 
 
@@ -108,7 +108,7 @@ def test_a_verdict_changes_when_the_evidence_does(found):
         exchanged[Model.POSITION],
     )
     verdicts = {j.claim.id: j.verdict for j in judge_all(replace(evidence, measures=exchanged))}
-    assert verdicts["more-compact"] is verdicts["persistent-direction"] is Verdict.DOES_NOT_HOLD
+    assert verdicts["more-compact"] is verdicts["persistent-direction"] is Result.DOES_NOT_HOLD
 
 
 @pytest.mark.slow
@@ -157,7 +157,7 @@ def test_the_command_prints_every_claim_with_its_verdict(found, tmp_path, monkey
     for judgement, line in zip(found.judgements, lines, strict=False):
         words = judgement.verdict.value.split()
         assert line.split()[: len(words) + 1] == [*words, judgement.claim.id]
-    weak = sum(j.verdict is Verdict.DOES_NOT_HOLD for j in found.judgements)
+    weak = sum(j.verdict is Result.DOES_NOT_HOLD for j in found.judgements)
     assert f"{weak} does not hold" in lines[len(found.judgements)]
 
 

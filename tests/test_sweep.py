@@ -19,7 +19,7 @@ from posflock_robotarium.sweep.execution import batches, compute, execute, local
 from posflock_robotarium.sweep.experiments import Experiment, find, names, register
 from posflock_robotarium.sweep.parameter_distribution import (
     ParameterDistribution,
-    Spread,
+    ParameterSpread,
     StudyError,
 )
 from posflock_robotarium.sweep.results import finished, interval, outcomes, summary, write_tables
@@ -134,10 +134,10 @@ def test_distributions_draw_what_they_say():
     draw = {
         kind: [ParameterDistribution(kind, arguments).draw(generator) for _ in range(2000)]
         for kind, arguments in {
-            Spread.UNIFORM: (2.0, 4.0),
-            Spread.LOGUNIFORM: (0.01, 100.0),
-            Spread.NORMAL: (5.0, 2.0),
-            Spread.CHOICE: ("a", "b", "c"),
+            ParameterSpread.UNIFORM: (2.0, 4.0),
+            ParameterSpread.LOGUNIFORM: (0.01, 100.0),
+            ParameterSpread.NORMAL: (5.0, 2.0),
+            ParameterSpread.CHOICE: ("a", "b", "c"),
         }.items()
     }
     assert min(draw["uniform"]) >= 2.0

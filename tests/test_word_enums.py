@@ -9,7 +9,7 @@ from barrier_certificates.projection import Status
 from posflock_robotarium.alignment.verdicts import Mark
 from posflock_robotarium.freespace.simulation import Model
 from posflock_robotarium.submission.returned_files import FileState
-from posflock_robotarium.sweep.parameter_distribution import Spread
+from posflock_robotarium.sweep.parameter_distribution import ParameterSpread
 from posflock_robotarium.verify.findings import Code
 from rps_compat.distributions import DistributionKind
 from rps_compat.porting import ChangeKind
@@ -20,7 +20,7 @@ from rps_compat.violations import FaultKind
 
 ENUMS = [
     ChangeKind, ClockPolicy, Code, DistributionKind, Ended, FaultKind, FileState, LoggedEnd, Mark,
-    Model, PolicyKind, Spread, Status,
+    Model, PolicyKind, ParameterSpread, Status,
 ]  # fmt: skip
 
 

@@ -21,7 +21,7 @@ import numpy as np
 from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.certificate_errors import InfeasibleError
 from barrier_certificates.projection.projection_info import ProjectionInfo
-from barrier_certificates.projection.scaled_program import TOLERANCE, Program
+from barrier_certificates.projection.scaled_program import TOLERANCE, QuadraticProgram
 from barrier_certificates.projection.working_set import BINDS, ROUNDS, WorkingSet
 from barrier_certificates.rows.row_set import Rows
 from barrier_certificates.ties import TIE
@@ -29,12 +29,14 @@ from barrier_certificates.ties import TIE
 Policy = Literal["relax", "stop", "raise"]
 
 
-def least_broken(program: Program, search: WorkingSet, info: ProjectionInfo) -> FloatArray | None:
+def least_broken(
+    program: QuadraticProgram, search: WorkingSet, info: ProjectionInfo
+) -> FloatArray | None:
     """Return the velocities that break the rows least, hard limits kept.
 
     Parameters
     ----------
-    program : Program
+    program : QuadraticProgram
         The program that has no solution; no robot is asked for more than its top speed.
     search : WorkingSet
         Who solves.
@@ -113,12 +115,12 @@ def furthest_first(excess: FloatArray) -> IntArray:
     return np.argsort(-np.round(excess / TIE), kind="stable")
 
 
-def furthest_from_holding(program: Program) -> InfeasibleError:
+def furthest_from_holding(program: QuadraticProgram) -> InfeasibleError:
     """Return the error that names the rows that the command breaks most.
 
     Parameters
     ----------
-    program : Program
+    program : QuadraticProgram
         The program that has no solution.
 
     Returns

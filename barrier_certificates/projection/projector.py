@@ -18,7 +18,7 @@ from barrier_certificates.projection.infeasible import (
     least_broken,
 )
 from barrier_certificates.projection.projection_info import NO_ROWS, ProjectionInfo, Status
-from barrier_certificates.projection.scaled_program import TOLERANCE, Program
+from barrier_certificates.projection.scaled_program import TOLERANCE, QuadraticProgram
 from barrier_certificates.projection.working_set import WorkingSet
 from barrier_certificates.rows.row_set import Rows
 
@@ -105,7 +105,7 @@ class Projector:
             )
         if not checks.finite(desired):
             return self.refuse(desired)
-        program = Program.of(desired.T.reshape(-1), rows, top_speed)
+        program = QuadraticProgram.of(desired.T.reshape(-1), rows, top_speed)
         if not math.isfinite(program.worst):
             return self.refuse(desired)
         if program.worst <= TOLERANCE:
@@ -122,7 +122,7 @@ class Projector:
         info.intervention = largest_speed(velocity - desired)
         return velocity, info
 
-    def _answer(self, program: Program, info: ProjectionInfo) -> FloatArray:
+    def _answer(self, program: QuadraticProgram, info: ProjectionInfo) -> FloatArray:
         """Return the optimum (2N,), or what the policy says where there is none."""
         point = self._search.optimum(program, info)
         if point is not None:

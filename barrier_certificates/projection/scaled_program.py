@@ -31,7 +31,7 @@ _FAR = 1e5
 _LARGE = 1e5  # m/s; rounding of such numbers would hide what robots that have a top speed can do
 
 
-class Program(NamedTuple):
+class QuadraticProgram(NamedTuple):
     """``min ‖v − target‖²`` over rows, in a unit of speed.
 
     Attributes
@@ -58,7 +58,7 @@ class Program(NamedTuple):
     unit: float = 1.0
 
     @classmethod
-    def of(cls, target: FloatArray, rows: Rows, top_speed: float) -> Program:
+    def of(cls, target: FloatArray, rows: Rows, top_speed: float) -> QuadraticProgram:
         """Return the program for a target and rows, in m/s.
 
         Parameters
@@ -75,7 +75,7 @@ class Program(NamedTuple):
         worst = float(excess[excess.argmax()]) if excess.shape[0] else 0.0
         return cls(target, rows, excess, worst, top_speed)
 
-    def scaled(self) -> Program:
+    def scaled(self) -> QuadraticProgram:
         """Return the same program in a unit of speed that suits its numbers."""
         if self.worst <= _FAST:
             return self
@@ -85,16 +85,16 @@ class Program(NamedTuple):
             return near
         rows = self.rows.with_bound(self.rows.bound / unit)
         speeds = (near.worst / unit, self.top_speed / unit)
-        return Program(near.target / unit, rows, near.excess / unit, *speeds, unit)
+        return QuadraticProgram(near.target / unit, rows, near.excess / unit, *speeds, unit)
 
-    def _brought_near(self) -> Program:
+    def _brought_near(self) -> QuadraticProgram:
         """Return it with no command longer than 100,000 times the top speed, if that is finite."""
         if self.worst <= _LARGE or not math.isfinite(self.top_speed):
             return self
         limit = _FAR * self.top_speed
         x, y = self.target.reshape(-1, 2).T
         shorter = np.repeat(limit / np.maximum(np.hypot(x, y), limit), 2)
-        return Program.of(self.target * shorter, self.rows, self.top_speed)
+        return QuadraticProgram.of(self.target * shorter, self.rows, self.top_speed)
 
     def is_out_of_reach(self) -> bool:
         """Whether some row asks for more than robots at top speed can do, and cannot hold.

@@ -18,7 +18,7 @@ import numpy as np
 from barrier_certificates import solvers
 from barrier_certificates.array_types import BoolArray, FloatArray, IntArray
 from barrier_certificates.projection.projection_info import NO_ROWS, ProjectionInfo
-from barrier_certificates.projection.scaled_program import TOLERANCE, Program
+from barrier_certificates.projection.scaled_program import TOLERANCE, QuadraticProgram
 from barrier_certificates.rows.row_set import Rows
 from barrier_certificates.solvers.active_set import guess
 
@@ -49,14 +49,14 @@ class WorkingSet:
         self._bound: IntArray = NO_ROWS
         self._bound_in = (0, 0)
 
-    def optimum(self, program: Program, info: ProjectionInfo) -> FloatArray | None:
+    def optimum(self, program: QuadraticProgram, info: ProjectionInfo) -> FloatArray | None:
         """Return the point nearest to the target that satisfies all rows, None if there is none.
 
         `info` is told who solved, how often, which rows bind, and how far they are broken.
 
         Parameters
         ----------
-        program : Program
+        program : QuadraticProgram
             Target and rows.
         info : ProjectionInfo
             Is told who solved, how often, which rows bind, and how far they are broken.

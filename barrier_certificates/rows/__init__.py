@@ -16,10 +16,10 @@ limit      (none: what the motors can do)                      n·vᵢ ≤ b, fo
 Every row is scaled to unit norm, so how far a row is broken is a speed in m/s, whatever its kind,
 and one tolerance serves all.
 
-Each kind is a `Family` with a module of its own: `pairs`, `walls`, `obstacles`, `limits`; the first
-three can allow for a `disturbance` of the wheels. `row_book` writes all rows of a team into arrays
-that live from step to step, and `row_set` is what those arrays are to whoever solves. Nothing here
-knows a solver.
+Each kind is a `RowFamily` with a module of its own: `pairs`, `walls`, `obstacles`, `limits`; the
+first three can allow for a `disturbance` of the wheels. `row_book` writes all rows of a team into
+arrays that live from step to step, and `row_set` is what those arrays are to whoever solves.
+Nothing here knows a solver.
 """
 
 from barrier_certificates.rows.disturbance import WheelDisturbance
@@ -27,20 +27,20 @@ from barrier_certificates.rows.limits import LimitRows, VelocityPolygon
 from barrier_certificates.rows.obstacles import Disc, Obstacle, ObstacleRows, Segment
 from barrier_certificates.rows.pairs import PairRows
 from barrier_certificates.rows.row_book import Margin, RowBook
-from barrier_certificates.rows.row_family import Barrier, Family, Scene
+from barrier_certificates.rows.row_family import Barrier, RowFamily, Scene
 from barrier_certificates.rows.row_set import Rows
 from barrier_certificates.rows.walls import WallRows, polygon, rectangle
 
 __all__ = [
     "Barrier",
     "Disc",
-    "Family",
     "LimitRows",
     "Margin",
     "Obstacle",
     "ObstacleRows",
     "PairRows",
     "RowBook",
+    "RowFamily",
     "Rows",
     "Scene",
     "Segment",

@@ -14,10 +14,10 @@ import numpy as np
 
 from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.certificate_errors import ParameterError
-from barrier_certificates.rows.row_family import NOTHING_NEAR, Barrier, Family, Scene, with_world
+from barrier_certificates.rows.row_family import NOTHING_NEAR, Barrier, RowFamily, Scene, with_world
 
 
-class LimitRows(Family):
+class LimitRows(RowFamily):
     """Every robot's velocity stays inside a polygon, fixed in the plane or to its heading.
 
     Parameters

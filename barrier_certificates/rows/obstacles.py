@@ -19,7 +19,7 @@ from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.certificate_errors import ParameterError
 from barrier_certificates.rows.disturbance import WheelDisturbance
 from barrier_certificates.rows.pairs import COINCIDENT
-from barrier_certificates.rows.row_family import Barrier, Family, Scene, with_world
+from barrier_certificates.rows.row_family import Barrier, RowFamily, Scene, with_world
 
 Point = tuple[float, float]
 
@@ -136,7 +136,7 @@ def listed(obstacles: Any) -> tuple[Obstacle, ...]:
     raise ParameterError(f"obstacles are {obstacles!r}; expected a sequence of Disc and Segment")
 
 
-class ObstacleRows(Family):
+class ObstacleRows(RowFamily):
     """Every robot stays away from every obstacle: −2D·vᵢ + 2D·ċ ≤ γ h³, h = ‖D‖² − R².
 
     Parameters

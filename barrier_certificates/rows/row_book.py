@@ -19,7 +19,7 @@ from scipy.spatial import cKDTree
 from barrier_certificates import ties
 from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.rows.pairs import PairRows
-from barrier_certificates.rows.row_family import NOTHING_NEAR, WORLD, Barrier, Family, Scene
+from barrier_certificates.rows.row_family import NOTHING_NEAR, WORLD, Barrier, RowFamily, Scene
 from barrier_certificates.rows.row_set import Rows
 
 _DENSE_UP_TO = 20_000  # entries; beyond, a dense matrix besides costs more than it saves
@@ -48,7 +48,7 @@ class RowBook:
 
     Parameters
     ----------
-    families : sequence of Family
+    families : sequence of RowFamily
         Walls, obstacles and limits.
     pairs : PairRows, optional
         The pairs; they come last, since their number may change from step to step.
@@ -61,7 +61,7 @@ class RowBook:
 
     def __init__(
         self,
-        families: Sequence[Family],
+        families: Sequence[RowFamily],
         pairs: PairRows | None,
         top_speed: float = np.inf,
         prune_from: int = 40,

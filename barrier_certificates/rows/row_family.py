@@ -51,7 +51,7 @@ class Scene(NamedTuple):
     headings: FloatArray | None = None
 
 
-class Family(Protocol):
+class RowFamily(Protocol):
     """Rows of one kind whose number depends on the number of robots alone."""
 
     weight: float

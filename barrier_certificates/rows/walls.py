@@ -10,11 +10,11 @@ import numpy as np
 from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.certificate_errors import ParameterError
 from barrier_certificates.rows.disturbance import WheelDisturbance
-from barrier_certificates.rows.row_family import Barrier, Family, Scene, with_world
+from barrier_certificates.rows.row_family import Barrier, RowFamily, Scene, with_world
 from barrier_certificates.ties import TIE
 
 
-class WallRows(Family):
+class WallRows(RowFamily):
     """Every robot stays inside: n·vᵢ ≤ 0.4 γ g³, g = distance to the wall − margin.
 
     Parameters

@@ -31,7 +31,7 @@ from posflock_robotarium.alignment.faults import faults_of
 from posflock_robotarium.alignment.measuring import curves_of, measure, numbers_of
 from posflock_robotarium.alignment.metric_registry import Number
 from posflock_robotarium.alignment.options import TRANSIENT, AnalysisOptions, settled_samples
-from posflock_robotarium.alignment.verdicts import Verdict, verdicts_of
+from posflock_robotarium.alignment.verdicts import RunVerdict, verdicts_of
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.flocking.flock import WALLS
 from posflock_robotarium.logs.readers import ReadOptions, Run, read
@@ -69,7 +69,7 @@ class Analysis:
         Every scalar of the summary, with unit and definition.
     events : tuple of Event
         Collisions and boundary crossings in the order in which they began.
-    verdicts : tuple of Verdict
+    verdicts : tuple of RunVerdict
         The run in sentences.
     """
 
@@ -81,7 +81,7 @@ class Analysis:
     curves: Mapping[str, Floats]
     numbers: Mapping[str, Number]
     events: tuple[Event, ...] = field(repr=False)
-    verdicts: tuple[Verdict, ...]
+    verdicts: tuple[RunVerdict, ...]
 
     @property
     def name(self) -> str:
@@ -268,7 +268,7 @@ def load(path: str | os.PathLike[str]) -> Analysis:
             events=tuple(
                 Event(**{**event, "robots": tuple(event["robots"])}) for event in summary["events"]
             ),
-            verdicts=tuple(Verdict(**verdict) for verdict in summary["verdicts"]),
+            verdicts=tuple(RunVerdict(**verdict) for verdict in summary["verdicts"]),
         )
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise LogError(f"{target}: not a saved analysis ({error!r})") from error

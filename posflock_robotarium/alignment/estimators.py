@@ -200,7 +200,7 @@ def _weighted(samples: Floats, weights: Floats, start: NDArray[np.intp]) -> Floa
 
 
 @dataclass(frozen=True)
-class Noise:
+class TrackingNoise:
     """Tracking noise seen in a log, as standard deviations.
 
     Attributes
@@ -219,7 +219,7 @@ class Noise:
     course: float
 
 
-def tracking_noise(recording: Run, speed: float, window: float = WINDOW) -> Noise:
+def tracking_noise(recording: Run, speed: float, window: float = WINDOW) -> TrackingNoise:
     r"""Measure tracking noise by what a local quadratic cannot explain.
 
     The residual of a least-squares fit at its own sample has variance :math:`\sigma^2 (1 - w)`,
@@ -236,7 +236,7 @@ def tracking_noise(recording: Run, speed: float, window: float = WINDOW) -> Nois
 
     Returns
     -------
-    Noise
+    TrackingNoise
         NaN where no stretch between gaps holds a whole window.
     """
     points = max(5, window_points(recording.step, window))
@@ -256,13 +256,13 @@ def tracking_noise(recording: Run, speed: float, window: float = WINDOW) -> Nois
         slopes.append(float(np.sqrt((slope[inner] ** 2).sum(axis=1)).mean()))
         weight.append(len(t))
     if not variances:
-        return Noise(float("nan"), float("nan"), float("nan"))
+        return TrackingNoise(float("nan"), float("nan"), float("nan"))
     # The median forgives the few samples where a robot really jerks.
     variance = np.average(np.array(variances), axis=0, weights=weight)
     position = float(np.sqrt(variance[:2].mean()))
     slope_gain = float(np.average(slopes, weights=weight))
     course = position * slope_gain / speed if speed > 0 else float("nan")
-    return Noise(position, float(np.sqrt(variance[2].mean())), course)
+    return TrackingNoise(position, float(np.sqrt(variance[2].mean())), course)
 
 
 _MEDIAN_OF_CHI2 = 0.454936423119572

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from barrier_certificates import ties
 from posflock_robotarium.alignment import metrics
 from posflock_robotarium.flocking.errors import ParameterError
-from posflock_robotarium.freespace.simulation import Recording
+from posflock_robotarium.freespace.simulation import PointRun
 
 Floats = NDArray[np.float64]
 
@@ -82,12 +82,12 @@ class Measures:
         )
 
 
-def measure(recording: Recording, radius: float | Floats) -> Measures:
+def measure(recording: PointRun, radius: float | Floats) -> Measures:
     """Apply every metric to a recording.
 
     Parameters
     ----------
-    recording : Recording
+    recording : PointRun
         Of one flock or of a batch.
     radius : float or (n,) array
         Interaction radius in metres, which says who is whose neighbour.
@@ -202,7 +202,7 @@ def _heading_spread(velocity: Floats) -> Floats:
     return np.asarray(np.degrees(np.arccos(np.clip(cosines.min(axis=(-2, -1)), -1.0, 1.0))))
 
 
-def _measure_flock(recording: Recording, radius: float | Floats) -> Measures:
+def _measure_flock(recording: PointRun, radius: float | Floats) -> Measures:
     surviving = ~recording.failing
     reach = radius[surviving] if isinstance(radius, np.ndarray) else radius
     p, v = recording.positions[..., surviving], recording.velocities[..., surviving]

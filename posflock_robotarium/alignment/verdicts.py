@@ -47,7 +47,7 @@ SURE = "How sure are we?"
 
 
 @dataclass(frozen=True)
-class Verdict:
+class RunVerdict:
     """One sentence about the run.
 
     Attributes
@@ -73,7 +73,7 @@ class Verdict:
 
 def verdicts_of(
     recording: Run, numbers: Mapping[str, Number], threshold: float, slowest: float
-) -> tuple[Verdict, ...]:
+) -> tuple[RunVerdict, ...]:
     """Judge a run by its numbers.
 
     Parameters
@@ -89,7 +89,7 @@ def verdicts_of(
 
     Returns
     -------
-    tuple of Verdict
+    tuple of RunVerdict
         Aligned? Together? Safe? Within limits? How sure? The whole run?
     """
     value = {key: float(number.value) for key, number in numbers.items()}
@@ -100,30 +100,32 @@ def verdicts_of(
     return tuple(verdicts)
 
 
-def headline(verdicts: tuple[Verdict, ...]) -> str:
+def headline(verdicts: tuple[RunVerdict, ...]) -> str:
     """Return the run in a few words: ``aligned, together, safe``.
 
     Parameters
     ----------
-    verdicts : tuple of Verdict
+    verdicts : tuple of RunVerdict
         The run in sentences.
     """
     return ", ".join(verdict.short for verdict in verdicts if verdict.short)
 
 
-def _aligned(v: Mapping[str, float], threshold: float, slowest: float) -> Verdict:
+def _aligned(v: Mapping[str, float], threshold: float, slowest: float) -> RunVerdict:
     question = "Did the flock align?"
     motion, headings = v["gamma_motion"], v["gamma_headings"]
     if v["robots"] < 2:
-        return Verdict(question, Mark.UNKNOWN, "One robot has nobody to align with.", "", "alone")
+        return RunVerdict(
+            question, Mark.UNKNOWN, "One robot has nobody to align with.", "", "alone"
+        )
     if v["left_out_headings"] >= 1.0:
         because = "γ is undefined without neighbours."
-        return Verdict(
+        return RunVerdict(
             question, Mark.UNKNOWN, "No robot had a neighbour.", because, "no neighbours"
         )
     if v["samples"] < FEWEST_SAMPLES:
         because = f"{int(v['samples'])} poses over time do not tell motion from tracking noise."
-        return Verdict(question, Mark.UNKNOWN, "Too short to tell.", because, "too short")
+        return RunVerdict(question, Mark.UNKNOWN, "Too short to tell.", because, "too short")
     if ties.beyond(v["standing"], MOSTLY) or ties.beyond(v["standing_end"], MOSTLY):
         return _parked(v, threshold, slowest)
     because = f"{_both(motion, headings)}. {_when(v, threshold)}"
@@ -139,23 +141,23 @@ def _aligned(v: Mapping[str, float], threshold: float, slowest: float) -> Verdic
             because += f" {stood} of {v['robots']:g} robots stood over half the time."
         many_stand = stood or ties.beyond(v["standing"], SOME)
         if many_stand or ties.beyond(v["left_out_motion"], 0.25):
-            return Verdict(
+            return RunVerdict(
                 question, Mark.CAUTION, "Those that moved did.", because, "partly aligned"
             )
         if ties.short_of(v["steadiness_motion"], 0.75):
             answer = "On average, not steadily."
-            return Verdict(question, Mark.CAUTION, answer, because, "unsteadily aligned")
-        return Verdict(question, Mark.GOOD, "Yes.", because, "aligned")
+            return RunVerdict(question, Mark.CAUTION, answer, because, "unsteadily aligned")
+        return RunVerdict(question, Mark.GOOD, "Yes.", because, "aligned")
     if points_aligned:
         answer = "No: headings are parallel, motion is not."
-        return Verdict(question, Mark.BAD, answer, because, "not aligned in motion")
+        return RunVerdict(question, Mark.BAD, answer, because, "not aligned in motion")
     if moves_aligned:
         answer = "Motion did, headings did not: some drive backwards, or headings are wrong."
-        return Verdict(question, Mark.CAUTION, answer, because, "aligned in motion only")
-    return Verdict(question, Mark.BAD, "No.", because, "not aligned")
+        return RunVerdict(question, Mark.CAUTION, answer, because, "aligned in motion only")
+    return RunVerdict(question, Mark.BAD, "No.", because, "not aligned")
 
 
-def _parked(v: Mapping[str, float], threshold: float, slowest: float) -> Verdict:
+def _parked(v: Mapping[str, float], threshold: float, slowest: float) -> RunVerdict:
     """Say that the flock stands, whatever its headings do."""
     motion, headings, standing = v["gamma_motion"], v["gamma_headings"], v["standing"]
     if ties.beyond(standing, 0.95):
@@ -179,7 +181,7 @@ def _parked(v: Mapping[str, float], threshold: float, slowest: float) -> Verdict
         if math.isnan(motion)
         else f"γ from motion is {_g(motion)}, over the robots that move."
     )
-    return Verdict("Did the flock align?", Mark.BAD, answer, because, short)
+    return RunVerdict("Did the flock align?", Mark.BAD, answer, because, short)
 
 
 def _both(motion: float, headings: float) -> str:
@@ -197,27 +199,27 @@ def _when(v: Mapping[str, float], threshold: float) -> str:
     )
 
 
-def _together(v: Mapping[str, float]) -> Verdict:
+def _together(v: Mapping[str, float]) -> RunVerdict:
     question = "Did it stay together?"
     if v["robots"] < 2:
-        return Verdict(question, Mark.UNKNOWN, "One robot.", "")
+        return RunVerdict(question, Mark.UNKNOWN, "One robot.", "")
     ratio = v["cohesive_radius_ratio"]
     varying = "" if math.isnan(ratio) else f", varying by a factor of {ratio:.2f}"
     radius = f"The cohesive radius is {v['cohesive_radius']:.2f} m{varying}."
     if v["components"] <= 1:
         because = f"Algebraic connectivity never below {v['algebraic_connectivity']:.2g}. {radius}"
-        return Verdict(question, Mark.GOOD, "Yes, one group throughout.", because, "together")
+        return RunVerdict(question, Mark.GOOD, "Yes, one group throughout.", because, "together")
     share = v["connected"]
     because = (
         f"One group for {_pc(share)} of the time, up to {int(v['components'])} groups. {radius}"
     )
     if ties.reached(share, 0.9):
-        return Verdict(question, Mark.CAUTION, "Nearly always.", because, "mostly together")
+        return RunVerdict(question, Mark.CAUTION, "Nearly always.", because, "mostly together")
     answer = "No." if ties.short_of(share, MOSTLY) else "Not always."
-    return Verdict(question, Mark.BAD, answer, because, "split")
+    return RunVerdict(question, Mark.BAD, answer, because, "split")
 
 
-def _safe(v: Mapping[str, float]) -> Verdict:
+def _safe(v: Mapping[str, float]) -> RunVerdict:
     question = "Was it safe?"
     counts = (
         (int(v.get("collisions", 0)), "collision"),
@@ -241,14 +243,14 @@ def _safe(v: Mapping[str, float]) -> Verdict:
         )
     faults = " and ".join(f"{n} {word}{'s' if n > 1 else ''}" for n, word in counts if n)
     if faults:
-        return Verdict(question, Mark.BAD, f"No: {faults}.", because, f"unsafe: {faults}")
-    return Verdict(question, Mark.GOOD, "Yes: no collision, nobody outside.", because, "safe")
+        return RunVerdict(question, Mark.BAD, f"No: {faults}.", because, f"unsafe: {faults}")
+    return RunVerdict(question, Mark.GOOD, "Yes: no collision, nobody outside.", because, "safe")
 
 
-def _limits(v: Mapping[str, float]) -> Iterator[Verdict]:
+def _limits(v: Mapping[str, float]) -> Iterator[RunVerdict]:
     question = "Within the robots' limits?"
     if "wheel_excess" not in v:
-        yield Verdict(
+        yield RunVerdict(
             question,
             Mark.UNKNOWN,
             "Unknown: no commands in the log.",
@@ -273,22 +275,24 @@ def _limits(v: Mapping[str, float]) -> Iterator[Verdict]:
     )
     if faults:
         text = "; ".join(faults)
-        yield Verdict(
+        yield RunVerdict(
             question,
             Mark.BAD if v["wheel_excess"] > 0 else Mark.CAUTION,
             "Not throughout.",
             f"{text[0].upper()}{text[1:]}. {helped}".strip(),
         )
     else:
-        yield Verdict(question, Mark.GOOD, "Yes.", f"No wheel over its limit, no stall. {helped}")
+        yield RunVerdict(
+            question, Mark.GOOD, "Yes.", f"No wheel over its limit, no stall. {helped}"
+        )
 
 
-def _in_degrees(recording: Run, v: Mapping[str, float]) -> Verdict | None:
+def _in_degrees(recording: Run, v: Mapping[str, float]) -> RunVerdict | None:
     """Judge headings that begin beyond a full turn, and that motion does not confirm."""
     first = float(np.nanmax(np.abs(recording.poses[0, 2])))
     if first <= 2 * math.pi or not v["heading_offset"] > DOUBTFUL_HEADINGS:
         return None
-    return Verdict(
+    return RunVerdict(
         SURE,
         Mark.BAD,
         "Not at all: headings seem to be in degrees.",
@@ -297,10 +301,10 @@ def _in_degrees(recording: Run, v: Mapping[str, float]) -> Verdict | None:
     )
 
 
-def _sure(v: Mapping[str, float]) -> Verdict:
+def _sure(v: Mapping[str, float]) -> RunVerdict:
     question = SURE
     if v["heading_offset"] > WRONG_HEADINGS:
-        return Verdict(
+        return RunVerdict(
             question,
             Mark.BAD,
             "Not at all: headings and motion disagree.",
@@ -315,10 +319,10 @@ def _sure(v: Mapping[str, float]) -> Verdict:
         else ""
     )
     if math.isnan(noise):
-        return Verdict(question, Mark.UNKNOWN, "Too short to measure the noise.", gaps.strip())
+        return RunVerdict(question, Mark.UNKNOWN, "Too short to measure the noise.", gaps.strip())
     tracked = f"Tracking noise, measured in this log, is {_length(noise)}"
     if math.isnan(course):
-        return Verdict(
+        return RunVerdict(
             question,
             Mark.CAUTION,
             "Directions of motion are undefined.",
@@ -331,15 +335,15 @@ def _sure(v: Mapping[str, float]) -> Verdict:
     )
     if ties.beyond(v["left_out_motion"], 0.25):
         answer = "γ from motion speaks for few robots."
-        return Verdict(
+        return RunVerdict(
             question, Mark.CAUTION, answer, f"It leaves out {_pc(v['left_out_motion'])}. {because}"
         )
     if bias > 0.02:
-        return Verdict(question, Mark.CAUTION, "γ from motion is noisy.", because)
-    return Verdict(question, Mark.GOOD, "The estimate is sharp.", because)
+        return RunVerdict(question, Mark.CAUTION, "γ from motion is noisy.", because)
+    return RunVerdict(question, Mark.GOOD, "The estimate is sharp.", because)
 
 
-def _complete(recording: Run, v: Mapping[str, float]) -> Iterator[Verdict]:
+def _complete(recording: Run, v: Mapping[str, float]) -> Iterator[RunVerdict]:
     question = "Is it the whole run?"
     ending, planned = recording.ending, recording.planned
     length = f"{v['duration']:.1f} s are logged"
@@ -348,15 +352,17 @@ def _complete(recording: Run, v: Mapping[str, float]) -> Iterator[Verdict]:
     if recording.doubts:
         first, *others = recording.doubts
         because = " ".join(f"{doubt[0].upper()}{doubt[1:]}." for doubt in others)
-        yield Verdict(question, Mark.BAD, f"No: {first}.", f"{length}. {because}".strip())
+        yield RunVerdict(question, Mark.BAD, f"No: {first}.", f"{length}. {because}".strip())
     elif ending is not None and ending.how is How.FINISHED:
-        yield Verdict(question, Mark.GOOD, "Yes, the run finished.", f"{length}.")
+        yield RunVerdict(question, Mark.GOOD, "Yes, the run finished.", f"{length}.")
     elif ending is not None:
         killed = ending.how is How.RUNNING
         words = "it was killed, or still goes on" if killed else ending.how.value
-        yield Verdict(question, Mark.CAUTION, f"No: {words}.", f"{length}. {ending.reason}".strip())
+        yield RunVerdict(
+            question, Mark.CAUTION, f"No: {words}.", f"{length}. {ending.reason}".strip()
+        )
     elif planned is not None and ties.short_of(v["duration"], 0.95 * planned):
-        yield Verdict(question, Mark.CAUTION, "Shorter than planned.", f"{length}.")
+        yield RunVerdict(question, Mark.CAUTION, "Shorter than planned.", f"{length}.")
 
 
 def _g(gamma: float) -> str:

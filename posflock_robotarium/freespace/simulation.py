@@ -189,7 +189,7 @@ class FreeSpace:
 
 
 @dataclass(frozen=True, eq=False)
-class Recording:
+class PointRun:
     """States of one flock, or of a batch of flocks, over time.
 
     Attributes
@@ -207,14 +207,14 @@ class Recording:
     velocities: Floats
     failing: NDArray[np.bool_]
 
-    def __getitem__(self, flock: int) -> Recording:
+    def __getitem__(self, flock: int) -> PointRun:
         """Return one flock of a batch."""
-        return Recording(
+        return PointRun(
             self.times, self.positions[flock], self.velocities[flock], self.failing[flock]
         )
 
 
-def simulate(scenario: FreeSpace, seed: Seed) -> Recording:
+def simulate(scenario: FreeSpace, seed: Seed) -> PointRun:
     """Run one flock.
 
     Parameters
@@ -227,7 +227,7 @@ def simulate(scenario: FreeSpace, seed: Seed) -> Recording:
 
     Returns
     -------
-    Recording
+    PointRun
         States (T, d, n) every ``record_interval``, the first at t = 0.
 
     Raises
@@ -244,7 +244,7 @@ def simulate(scenario: FreeSpace, seed: Seed) -> Recording:
     return simulate_batch(scenario, [seed])[0]
 
 
-def simulate_batch(scenario: FreeSpace, seeds: Sequence[Seed]) -> Recording:
+def simulate_batch(scenario: FreeSpace, seeds: Sequence[Seed]) -> PointRun:
     """Run one flock for each seed, several at a time in one array.
 
     Parameters
@@ -256,7 +256,7 @@ def simulate_batch(scenario: FreeSpace, seeds: Sequence[Seed]) -> Recording:
 
     Returns
     -------
-    Recording
+    PointRun
         States (B, T, d, n); flock b is what ``simulate(scenario, seeds[b])`` returns.
 
     Raises
@@ -271,7 +271,7 @@ def simulate_batch(scenario: FreeSpace, seeds: Sequence[Seed]) -> Recording:
     ]
     if not parts:
         raise ParameterError("seeds: expected at least one, got none")
-    return Recording(
+    return PointRun(
         parts[0].times,
         np.concatenate([part.positions for part in parts]),
         np.concatenate([part.velocities for part in parts]),
@@ -329,7 +329,7 @@ def euler_step(
     return positions + time_step * v, v
 
 
-def _simulate(scenario: FreeSpace, generators: Sequence[np.random.Generator]) -> Recording:
+def _simulate(scenario: FreeSpace, generators: Sequence[np.random.Generator]) -> PointRun:
     """Advance a batch of flocks from start to end."""
     starts = [initial_states(scenario, generator) for generator in generators]
     # stack would keep the transposed layout of the draws, and every later step pay for it.
@@ -349,7 +349,7 @@ def _simulate(scenario: FreeSpace, generators: Sequence[np.random.Generator]) ->
         p = p_next
         if step % every == 0:
             recorded.append((p, v))
-    return Recording(
+    return PointRun(
         times=np.arange(float(len(recorded))) * (every * scenario.time_step),
         positions=np.stack([positions for positions, _ in recorded], axis=1),
         velocities=np.stack([velocities for _, velocities in recorded], axis=1),

@@ -20,7 +20,7 @@ from barrier_certificates import ties
 from posflock_robotarium.paper.evidence import Evidence
 
 
-class Verdict(Enum):
+class Result(Enum):
     """What becomes of a claim, in words; `mark` shows it at a glance."""
 
     HOLDS = "holds"
@@ -30,7 +30,11 @@ class Verdict(Enum):
     @property
     def mark(self) -> str:
         """A sign for tables."""
-        return {Verdict.HOLDS: "✓", Verdict.HOLDS_WEAKLY: "~", Verdict.DOES_NOT_HOLD: "✗"}[self]
+        return {
+            Result.HOLDS: "✓",
+            Result.HOLDS_WEAKLY: "~",
+            Result.DOES_NOT_HOLD: "✗",
+        }[self]
 
 
 class Sense(Enum):
@@ -60,7 +64,7 @@ class Claim:
         Thresholds, in `unit`: from the first on the claim holds, from the second on weakly.
     unit : str
         Of the number; empty for shares and cosines.
-    reasons : mapping of Verdict to str
+    reasons : mapping of Result to str
         Why, for the verdicts that need explaining.
     """
 
@@ -72,7 +76,7 @@ class Claim:
     holds: float
     weakly: float
     unit: str = ""
-    reasons: Mapping[Verdict, str] = field(default_factory=dict)
+    reasons: Mapping[Result, str] = field(default_factory=dict)
 
     def judge(self, evidence: Evidence) -> Judgement:
         """Measure, and compare with the thresholds.
@@ -85,14 +89,14 @@ class Claim:
         value = float(self.measure(evidence))
         return Judgement(self, value, self._verdict(value))
 
-    def _verdict(self, value: float) -> Verdict:
+    def _verdict(self, value: float) -> Result:
         # A number that could not be measured (NaN) compares as false: nothing holds.
         sign = 1.0 if self.sense is Sense.AT_LEAST else -1.0
         if ties.reached(sign * value, sign * self.holds):
-            return Verdict.HOLDS
+            return Result.HOLDS
         if ties.reached(sign * value, sign * self.weakly):
-            return Verdict.HOLDS_WEAKLY
-        return Verdict.DOES_NOT_HOLD
+            return Result.HOLDS_WEAKLY
+        return Result.DOES_NOT_HOLD
 
 
 @dataclass(frozen=True)
@@ -105,13 +109,13 @@ class Judgement:
         What the paper says.
     value : float
         What was measured, in the claim's unit.
-    verdict : Verdict
+    verdict : Result
         Whether it holds.
     """
 
     claim: Claim
     value: float
-    verdict: Verdict
+    verdict: Result
 
     @property
     def reason(self) -> str:
@@ -133,8 +137,8 @@ class Judgement:
             "unit": self.claim.unit,
             "thresholds": {
                 "sense": self.claim.sense.value,
-                Verdict.HOLDS.value: self.claim.holds,
-                Verdict.HOLDS_WEAKLY.value: self.claim.weakly,
+                Result.HOLDS.value: self.claim.holds,
+                Result.HOLDS_WEAKLY.value: self.claim.weakly,
             },
             "verdict": self.verdict.value,
             "reason": self.reason,

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from posflock_robotarium.alignment.point_agents import Measures, summarise
 from posflock_robotarium.alignment.summary import Summary
 from posflock_robotarium.freespace.sensing import Sensing
-from posflock_robotarium.freespace.simulation import FreeSpace, Model, Recording
+from posflock_robotarium.freespace.simulation import FreeSpace, Model, PointRun
 from posflock_robotarium.logs.run import Run
 
 Floats = NDArray[np.float64]
@@ -31,7 +31,7 @@ DIFFERENCE_INTERVAL = 0.2
 _POSITION_NOISE = (0.0, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5)
 
 
-class Study(Enum):
+class Varied(Enum):
     """What is varied.
 
     Parameters
@@ -65,7 +65,7 @@ class Variation:
 
     Attributes
     ----------
-    study : Study
+    study : Varied
         What is varied.
     value : float
         What it is set to, in the unit of the study.
@@ -73,7 +73,7 @@ class Variation:
         The simulation that follows.
     """
 
-    study: Study
+    study: Varied
     value: float
     scenario: FreeSpace
 
@@ -126,7 +126,7 @@ class Evidence:
         Of the paper's simulation.
     measures : dict of Model to Measures
         (B, T) over seeds.
-    singles : dict of Model to Recording
+    singles : dict of Model to PointRun
         The first seed's run, for trajectories.
     imprint : dict of Model to (B,) array
         Of the position-based models: how hard the imprint pulls at the end, as a share
@@ -139,7 +139,7 @@ class Evidence:
 
     seeds: tuple[int, ...]
     measures: dict[Model, Measures]
-    singles: dict[Model, Recording]
+    singles: dict[Model, PointRun]
     imprint: dict[Model, Floats]
     variations: tuple[tuple[Variation, Measures], ...]
     robots: Robots
@@ -160,12 +160,12 @@ class Evidence:
         """
         return summarise(self.measures[model])
 
-    def study(self, study: Study, model: Model) -> tuple[Floats, list[dict[str, Floats]]]:
+    def study(self, study: Varied, model: Model) -> tuple[Floats, list[dict[str, Floats]]]:
         """Return the values of a variation, and the summary numbers at each.
 
         Parameters
         ----------
-        study : Study
+        study : Varied
             What is varied.
         model : Model
             Of the paper's three: which one.
@@ -184,12 +184,12 @@ class Evidence:
         ]
         return np.array([value for value, _ in chosen]), [numbers for _, numbers in chosen]
 
-    def at(self, study: Study, model: Model, value: float) -> dict[str, Floats]:
+    def at(self, study: Varied, model: Model, value: float) -> dict[str, Floats]:
         """Return the summary numbers of one variation at one value.
 
         Parameters
         ----------
-        study : Study
+        study : Varied
             What is varied.
         model : Model
             Of the paper's three: which one.
@@ -217,37 +217,37 @@ def variations(paper: FreeSpace) -> Iterator[Variation]:
     both = (Model.VELOCITY, Model.POSITION)
     for value in (0.0125, 0.025, 0.05, 0.1, 0.2):
         for model in Model:
-            yield Variation(Study.TIME_STEP, value, replace(base, model=model, time_step=value))
+            yield Variation(Varied.TIME_STEP, value, replace(base, model=model, time_step=value))
     for value in (0.3, 0.4, 0.5, 0.6, 0.8):
         for model in both:
             law = replace(base.law, distance_scale=value)
-            yield Variation(Study.DISTANCE_SCALE, value, replace(base, model=model, law=law))
+            yield Variation(Varied.DISTANCE_SCALE, value, replace(base, model=model, law=law))
     for value in (0.02, 0.05, 0.1, 0.2, 0.5, 1.0):
         law = replace(base.law, persistence=value)
-        yield Variation(Study.PERSISTENCE, value, replace(base, law=law))
+        yield Variation(Varied.PERSISTENCE, value, replace(base, law=law))
     for model in Model:
         cube = replace(base, model=model, dimensions=3, side=CUBE_SIDE)
-        yield Variation(Study.THREE_DIMENSIONS, 3.0, cube)
+        yield Variation(Varied.THREE_DIMENSIONS, 3.0, cube)
     for model in both:
         larger = replace(base, model=model, agents=2 * base.agents, side=base.side * 2.0**0.5)
-        yield Variation(Study.LARGER_TEAMS, 2.0, larger)
+        yield Variation(Varied.LARGER_TEAMS, 2.0, larger)
         for value in _POSITION_NOISE:
             blurred = replace(base, model=model, sensing=Sensing(position_noise=value))
-            yield Variation(Study.POSITION_NOISE, value, blurred)
+            yield Variation(Varied.POSITION_NOISE, value, blurred)
         for value in (0.0, 0.02, 0.05, 0.1, 0.2):
             lossy = replace(base, model=model, sensing=Sensing(dropout=value))
-            yield Variation(Study.DROPOUT, value, lossy)
+            yield Variation(Varied.DROPOUT, value, lossy)
         for value in (0.0, 0.05, 0.1, 0.2):
             late = replace(base, model=model, sensing=Sensing(delay=value))
-            yield Variation(Study.DELAY, value, late)
+            yield Variation(Varied.DELAY, value, late)
         for value in (0.0, 0.02, 0.1, 0.2, 0.4):
             stuck = Sensing(failing=value, failure="stop")
             gone = replace(stuck, failure="vanish") if value else stuck
-            yield Variation(Study.VANISHING, value, replace(base, model=model, sensing=gone))
-            yield Variation(Study.STOPPING, value, replace(base, model=model, sensing=stuck))
+            yield Variation(Varied.VANISHING, value, replace(base, model=model, sensing=gone))
+            yield Variation(Varied.STOPPING, value, replace(base, model=model, sensing=stuck))
     for value in _POSITION_NOISE:
         # The error of a difference of two positions, over the time between them.
         velocity_noise = 2.0**0.5 * value / DIFFERENCE_INTERVAL
         noisy = Sensing(position_noise=value, velocity_noise=velocity_noise)
         scenario = replace(base, model=Model.VELOCITY, sensing=noisy)
-        yield Variation(Study.DIFFERENTIATED_NOISE, value, scenario)
+        yield Variation(Varied.DIFFERENTIATED_NOISE, value, scenario)

@@ -17,7 +17,7 @@ from barrier_certificates import ties
 from posflock_robotarium.alignment.point_agents import Measures, measure, stack
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.law import displacements, neighbours, phi
-from posflock_robotarium.freespace.simulation import FreeSpace, Model, Recording, simulate_batch
+from posflock_robotarium.freespace.simulation import FreeSpace, Model, PointRun, simulate_batch
 from posflock_robotarium.paper.evidence import Evidence, Robots, Variation, variations
 from posflock_robotarium.paper.robots import Drive, drive
 from posflock_robotarium.simulation.workers import local_pool
@@ -80,7 +80,7 @@ def gather(
         return tasks.evidence(of_paper)
 
 
-_OfPaper = tuple[Measures, Recording, Floats]
+_OfPaper = tuple[Measures, PointRun, Floats]
 
 
 @dataclass(frozen=True)
@@ -164,7 +164,7 @@ def _run_paper(scenario: FreeSpace, seeds: Sequence[int]) -> _OfPaper:
     return measure(recording, scenario.law.radius), recording[0], pulls[1] / pulls[0]
 
 
-def _imprint_pull(scenario: FreeSpace, recording: Recording, time: float) -> Floats:
+def _imprint_pull(scenario: FreeSpace, recording: PointRun, time: float) -> Floats:
     """Return how hard the imprint pulls, the mean of ‖φ_i·Σ_j p_ij(0)‖, m/s², shape (B,)."""
     law, at = scenario.law, ties.first_smallest(np.abs(recording.times - time))
     adjacency = neighbours(recording.positions[:, at], law.radius)

@@ -21,7 +21,7 @@ from posflock_robotarium.flocking.law import (
     velocity_based_input,
 )
 from posflock_robotarium.freespace.simulation import FreeSpace, Model, euler_step, simulate
-from posflock_robotarium.paper.evidence import Evidence, Study
+from posflock_robotarium.paper.evidence import Evidence, Varied
 
 Floats = NDArray[np.float64]
 
@@ -172,7 +172,7 @@ def denser_with_smaller_scale(evidence: Evidence) -> float:
     """
     grows: list[bool] = []
     for model in (V, P):
-        _, numbers = evidence.study(Study.DISTANCE_SCALE, model)
+        _, numbers = evidence.study(Varied.DISTANCE_SCALE, model)
         distance = [np.median(each["nearest_neighbour_settled"]) for each in numbers]
         grows.extend(np.diff(distance) > 0.0)
     return float(np.mean(grows))
@@ -222,12 +222,12 @@ def _passes_through(model: Model, distance: float, delta: float, speed: float) -
     return False
 
 
-def settled_at(study: Study, model: Model, value: float) -> Callable[[Evidence], float]:
+def settled_at(study: Varied, model: Model, value: float) -> Callable[[Evidence], float]:
     """Return what measures the median settled γ at one value of a study.
 
     Parameters
     ----------
-    study : Study
+    study : Varied
         What is varied.
     model : Model
         Of the paper's three: which one.
@@ -247,8 +247,8 @@ def noise_advantage(evidence: Evidence) -> float:
     """
     return float(
         min(
-            np.median(evidence.at(Study.POSITION_NOISE, P, noise)["gamma_settled"])
-            - np.median(evidence.at(Study.DIFFERENTIATED_NOISE, V, noise)["gamma_settled"])
+            np.median(evidence.at(Varied.POSITION_NOISE, P, noise)["gamma_settled"])
+            - np.median(evidence.at(Varied.DIFFERENTIATED_NOISE, V, noise)["gamma_settled"])
             for noise in (0.02, 0.05, 0.1)
         )
     )

@@ -27,8 +27,8 @@ from posflock_robotarium.figures.style import (
     save,
 )
 from posflock_robotarium.flocking.law import PAPER_SIMULATION, phi
-from posflock_robotarium.freespace.simulation import Model, Recording
-from posflock_robotarium.paper.evidence import Evidence, Floats, Robots, Study
+from posflock_robotarium.freespace.simulation import Model, PointRun
+from posflock_robotarium.paper.evidence import Evidence, Floats, Robots, Varied
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -98,12 +98,12 @@ def gain() -> Figure:
 
 
 @in_style
-def trajectories(singles: dict[Model, Recording]) -> Figure:
+def trajectories(singles: dict[Model, PointRun]) -> Figure:
     """Draw the paths of the three models from identical starts (paper, Fig. 4).
 
     Parameters
     ----------
-    singles : dict of Model to Recording
+    singles : dict of Model to PointRun
         One run of each model.
     """
     figure = new_figure(7.2, 2.75)
@@ -225,13 +225,13 @@ def robots_alignment(robots: Robots, *, single: bool) -> Figure:
 class _Curve:
     """The medians of one study and model over its values, with a name and a look."""
 
-    study: Study
+    study: Varied
     model: Model
     label: str
     look: Look
 
 
-def _of_models(study: Study, models: Iterable[Model]) -> tuple[_Curve, ...]:
+def _of_models(study: Varied, models: Iterable[Model]) -> tuple[_Curve, ...]:
     """Return the curves of several models in one study."""
     return tuple(_Curve(study, model, model.label, _LOOK[model]) for model in models)
 
@@ -239,7 +239,7 @@ def _of_models(study: Study, models: Iterable[Model]) -> tuple[_Curve, ...]:
 _BOTH = (Model.VELOCITY, Model.POSITION)
 #: What a V-based agent without a velocity sensor makes of noisy positions.
 _DIFFERENTIATING = _Curve(
-    Study.DIFFERENTIATED_NOISE,
+    Varied.DIFFERENTIATED_NOISE,
     Model.VELOCITY,
     "V-based, velocities from noisy positions",
     Look(BLACK, (0, (5, 1, 1, 1))),
@@ -256,9 +256,9 @@ def parameters(evidence: Evidence) -> Figure:
         Every run of the reproduction.
     """
     columns = (
-        ("time step dt (s)", _of_models(Study.TIME_STEP, Model)),
-        ("distance scale δ (m)", _of_models(Study.DISTANCE_SCALE, _BOTH)),
-        ("persistence k (1/s)", _of_models(Study.PERSISTENCE, (Model.POSITION,))),
+        ("time step dt (s)", _of_models(Varied.TIME_STEP, Model)),
+        ("distance scale δ (m)", _of_models(Varied.DISTANCE_SCALE, _BOTH)),
+        ("persistence k (1/s)", _of_models(Varied.PERSISTENCE, (Model.POSITION,))),
     )
     figure = new_figure(7.2, 3.9)
     panels = figure.subplots(2, 3, sharex="col", sharey="row")
@@ -267,7 +267,7 @@ def parameters(evidence: Evidence) -> Figure:
             _spread(upper, evidence, curve, "gamma_settled")
             values = _spread(lower, evidence, curve, "nearest_neighbour_settled")
         lower.set_xlabel(label)
-        if curve.study is not Study.DISTANCE_SCALE:
+        if curve.study is not Varied.DISTANCE_SCALE:
             lower.set_xscale("log")
             lower.set_xticks(values, [f"{value:g}" for value in values], minor=False)
             lower.minorticks_off()
@@ -287,11 +287,11 @@ def sensing(evidence: Evidence) -> Figure:
         Every run of the reproduction.
     """
     studies = (
-        ("position noise σ (m)", (*_of_models(Study.POSITION_NOISE, _BOTH), _DIFFERENTIATING)),
-        ("chance to miss a neighbour (–)", _of_models(Study.DROPOUT, _BOTH)),
-        ("delay of sensing (s)", _of_models(Study.DELAY, _BOTH)),
-        ("share of agents that vanish (–)", _of_models(Study.VANISHING, _BOTH)),
-        ("share of agents that stop (–)", _of_models(Study.STOPPING, _BOTH)),
+        ("position noise σ (m)", (*_of_models(Varied.POSITION_NOISE, _BOTH), _DIFFERENTIATING)),
+        ("chance to miss a neighbour (–)", _of_models(Varied.DROPOUT, _BOTH)),
+        ("delay of sensing (s)", _of_models(Varied.DELAY, _BOTH)),
+        ("share of agents that vanish (–)", _of_models(Varied.VANISHING, _BOTH)),
+        ("share of agents that stop (–)", _of_models(Varied.STOPPING, _BOTH)),
     )
     figure = new_figure(7.2, 4.2)
     panels = figure.subplots(2, 3, sharey=True)
@@ -322,7 +322,7 @@ def three_dimensions(evidence: Evidence) -> Figure:
     figure = new_figure(3.5, 2.4)
     axes = figure.subplots()
     for variation, measures in evidence.variations:
-        if variation.study is Study.THREE_DIMENSIONS:
+        if variation.study is Varied.THREE_DIMENSIONS:
             _curve(axes, measures.times, measures.gamma, variation.scenario.model, single=False)
             axes.set_xlim(0, measures.times[-1])
     axes.set(xlabel="time (s)", ylabel="alignment γ (–)")

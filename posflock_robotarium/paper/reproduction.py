@@ -10,7 +10,7 @@ from pathlib import Path
 
 from posflock_robotarium.flocking.errors import OutputError
 from posflock_robotarium.freespace.simulation import FreeSpace
-from posflock_robotarium.paper.claim import Judgement, Verdict
+from posflock_robotarium.paper.claim import Judgement, Result
 from posflock_robotarium.paper.claims import judge_all
 from posflock_robotarium.paper.evidence import Evidence
 from posflock_robotarium.paper.gathering import gather
@@ -37,7 +37,7 @@ class Reproduction:
     paths: list[Path]
 
     @property
-    def verdicts(self) -> Counter[Verdict]:
+    def verdicts(self) -> Counter[Result]:
         """How many claims got each verdict."""
         return Counter(judgement.verdict for judgement in self.judgements)
 
@@ -133,7 +133,7 @@ def claims_page(judgements: list[Judgement], evidence: Evidence) -> str:
         "",
         f"{len(judgements)} sentences over seeds {first} to {last} ({len(evidence.seeds)} runs of"
         " each model; variations and robots over half as many): "
-        + ", ".join(f"{counted[v]} {v.mark} {v.value}" for v in Verdict)
+        + ", ".join(f"{counted[v]} {v.mark} {v.value}" for v in Result)
         + ".  Verdicts are computed from the thresholds stated with each claim.",
         "",
         "| | claim | measured | verdict |",

@@ -13,6 +13,7 @@ from posflock_robotarium.flocking.flock import Flock
 from posflock_robotarium.flocking.placement import random_poses
 from posflock_robotarium.logs.run import Run
 from posflock_robotarium.simulation.flock_trial import simulate
+from rps_compat.arena_guests import Realism
 
 Floats = NDArray[np.float64]
 
@@ -23,7 +24,7 @@ START_SIDE, START_SPACING = 1.0, 0.30
 
 
 @dataclass
-class Noise:
+class WhiteNoise(Realism):
     """The simplest imperfect arena: every velocity and every measured position is off.
 
     Attributes
@@ -39,52 +40,16 @@ class Noise:
     _rng: np.random.Generator = field(default_factory=np.random.default_rng, init=False)
 
     def reset(self, poses: Floats, time_step: float, rng: np.random.Generator) -> None:
-        """Begin a run.
-
-        Parameters
-        ----------
-        poses : (3, N) array
-            Where the robots stand, m and rad; not used.
-        time_step : float
-            Duration of a step, s; not used.
-        rng : Generator
-            Where all randomness of the run is drawn from.
-        """
+        """Begin a run."""
         self._rng = rng
 
     def actuate(self, velocities: Floats, poses: Floats, time: float) -> Floats:
-        """Return what robots drive.
-
-        Parameters
-        ----------
-        velocities : (2, N) array
-            What was commanded, m/s and rad/s.
-        poses : (3, N) array
-            True poses, m and rad; not used.
-        time : float
-            Seconds since the start of the run; not used.
-
-        Returns
-        -------
-        (2, N) array
-            What they drive, m/s and rad/s.
-        """
+        """Return what robots drive."""
         missed = self.actuation * self._rng.standard_normal(velocities.shape)
         return np.asarray(velocities * (1.0 + missed))
 
     def observe(self, poses: Floats) -> Floats:
-        """Return what tracking reports.
-
-        Parameters
-        ----------
-        poses : (3, N) array
-            True poses, m and rad.
-
-        Returns
-        -------
-        (3, N) array
-            Measured poses, m and rad.
-        """
+        """Return what tracking reports."""
         seen: Floats = poses.copy()
         seen[:2] += self.tracking * self._rng.standard_normal((2, poses.shape[1]))
         return seen
@@ -126,7 +91,7 @@ def drive(seed: int, *, imperfect: bool, duration: float = DURATION) -> Drive:
         ROBOTS, np.random.default_rng(seed), side=START_SIDE, spacing=START_SPACING
     )
     flock = Flock()
-    trial = simulate(flock, start, duration, realism=Noise() if imperfect else None, seed=seed)
+    trial = simulate(flock, start, duration, realism=WhiteNoise() if imperfect else None, seed=seed)
     log = trial.truth()
     analysis = analyse(log)
     curves = analysis.curves

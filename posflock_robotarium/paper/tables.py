@@ -71,7 +71,7 @@ _QUALITATIVE: tuple[tuple[str, str, str, str, str, str], ...] = (
 
 
 @dataclass(frozen=True)
-class Table:
+class PaperTable:
     """A table of text.
 
     Attributes
@@ -102,7 +102,7 @@ class Table:
         return text.getvalue()
 
 
-def over_seeds(evidence: Evidence) -> Table:
+def over_seeds(evidence: Evidence) -> PaperTable:
     """Return median, quartiles and extremes over seeds of every quantity and model.
 
     Parameters
@@ -114,14 +114,14 @@ def over_seeds(evidence: Evidence) -> Table:
     for key, title, unit in QUANTITIES:
         cells = [_median_and_quartiles(evidence.numbers(model)[key]) for model in Model]
         rows.append([title + (f" ({unit})" if unit else ""), *cells])
-    return Table(
+    return PaperTable(
         f"The paper's simulation over {len(evidence.seeds)} seeds: median (quartiles; extremes)",
         ["quantity", *(model.label for model in Model)],
         rows,
     )
 
 
-def qualitative(evidence: Evidence) -> Table:
+def qualitative(evidence: Evidence) -> PaperTable:
     """Return the paper's Table 2 with what was measured behind each word.
 
     Parameters
@@ -137,14 +137,14 @@ def qualitative(evidence: Evidence) -> Table:
         rows.append(
             [characteristic, f"{velocity} ({v:.3g}{unit})", f"{position} ({p:.3g}{unit})", title]
         )
-    return Table(
+    return PaperTable(
         "The paper's qualitative comparison, with measured medians",
         ["characteristic", Model.VELOCITY.label, Model.POSITION.label, "measured"],
         rows,
     )
 
 
-def varied(evidence: Evidence) -> Table:
+def varied(evidence: Evidence) -> PaperTable:
     """Return what every variation of a parameter or of sensing does, one row each.
 
     Parameters
@@ -162,7 +162,7 @@ def varied(evidence: Evidence) -> Table:
         name = study.title + (f" ({study.unit})" if study.unit else "")
         cells = [_median_and_quartiles(numbers[key]) for key in keys]
         rows.append([name, f"{variation.value:g}", variation.scenario.model.label, *cells])
-    return Table(
+    return PaperTable(
         f"Beyond the paper, over {len(evidence.variations[0][1].gamma)} seeds: median"
         " (quartiles; extremes)",
         ["varied", "value", "model", *titles],

@@ -18,7 +18,7 @@ from posflock_robotarium import __version__
 from posflock_robotarium.flocking.errors import PosflockError
 from posflock_robotarium.sweep.execution import DIED, Executor, Job, words_of
 from posflock_robotarium.sweep.store import Row
-from posflock_robotarium.sweep.study import Run
+from posflock_robotarium.sweep.study import PlannedRun
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -145,12 +145,12 @@ def _connected(address: str, patience: float, certificates: Certificates | None)
 
 
 def _results(
-    client: Client, address: str, job: Job, work: Sequence[Sequence[Run]]
+    client: Client, address: str, job: Job, work: Sequence[Sequence[PlannedRun]]
 ) -> Iterator[list[Row]]:
     """Yield the rows of batches as they are finished."""
     from distributed import CancelledError, KilledWorker, as_completed
 
-    futures: Mapping[Any, Sequence[Run]] = _submitted(client, job, work)
+    futures: Mapping[Any, Sequence[PlannedRun]] = _submitted(client, job, work)
     batch_of = dict(futures)
     done = as_completed(list(batch_of), loop=client.loop)
     for future in done:
@@ -170,7 +170,9 @@ def _results(
         future.release()
 
 
-def _submitted(client: Client, job: Job, work: Sequence[Sequence[Run]]) -> dict[Any, Sequence[Run]]:
+def _submitted(
+    client: Client, job: Job, work: Sequence[Sequence[PlannedRun]]
+) -> dict[Any, Sequence[PlannedRun]]:
     """Send batches to the cluster; return what will be known of each."""
     futures = client.map(job, work, pure=False, batch_size=100)
     return dict(zip(futures, work, strict=True))

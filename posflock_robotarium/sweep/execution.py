@@ -24,7 +24,7 @@ from posflock_robotarium.simulation.workers import local_pool, processors
 from posflock_robotarium.sweep.experiments import Outcome, find
 from posflock_robotarium.sweep.sources import code_of, load
 from posflock_robotarium.sweep.store import ERROR, Row, Store
-from posflock_robotarium.sweep.study import Run, Study
+from posflock_robotarium.sweep.study import PlannedRun, Study
 
 #: Letters of an error that a row keeps.
 _LONGEST_ERROR = 500
@@ -54,22 +54,22 @@ class Job:
     module: Path | None
     code: str
 
-    def __call__(self, runs: Sequence[Run]) -> list[Row]:
+    def __call__(self, runs: Sequence[PlannedRun]) -> list[Row]:
         """Compute one batch, see :func:`compute`.
 
         Parameters
         ----------
-        runs : sequence of Run
+        runs : sequence of PlannedRun
             With one set of parameters.
         """
         return compute(self.experiment, runs, self.module)
 
-    def failed(self, runs: Sequence[Run], error: str) -> list[Row]:
+    def failed(self, runs: Sequence[PlannedRun], error: str) -> list[Row]:
         """Return the rows of runs that cannot be computed.
 
         Parameters
         ----------
-        runs : sequence of Run
+        runs : sequence of PlannedRun
             Which ones.
         error : str
             Why.
@@ -78,7 +78,7 @@ class Job:
 
 
 #: What has a job compute all batches, in any order.
-Executor = Callable[[Job, Sequence[Sequence[Run]]], Iterator[list[Row]]]
+Executor = Callable[[Job, Sequence[Sequence[PlannedRun]]], Iterator[list[Row]]]
 
 
 def execute(
@@ -128,12 +128,12 @@ def _is_missing(row: Row | None, retry_failed: bool) -> bool:
     return row is None or (retry_failed and ERROR in row)
 
 
-def batches(runs: Iterable[Run], together: int) -> list[list[Run]]:
+def batches(runs: Iterable[PlannedRun], together: int) -> list[list[PlannedRun]]:
     """Group runs with equal parameters into batches of at most so many.
 
     Parameters
     ----------
-    runs : iterable of Run
+    runs : iterable of PlannedRun
         The runs, those with equal parameters side by side.
     together : int
         Most runs in a batch.
@@ -145,14 +145,14 @@ def batches(runs: Iterable[Run], together: int) -> list[list[Run]]:
     return made
 
 
-def compute(experiment: str, runs: Sequence[Run], module: Path | None = None) -> list[Row]:
+def compute(experiment: str, runs: Sequence[PlannedRun], module: Path | None = None) -> list[Row]:
     """Compute one batch of runs with equal parameters.
 
     Parameters
     ----------
     experiment : str
         Name of a registered experiment.
-    runs : sequence of Run
+    runs : sequence of PlannedRun
         With one set of parameters.
     module : Path, optional
         The file that registers the experiment, where it is a user's own.
@@ -210,7 +210,9 @@ def _checked(outcomes: Sequence[Outcome], expected: int) -> list[dict[str, Any]]
     return found
 
 
-def _row(experiment: str, run: Run, outcome: Mapping[str, Any], seconds: float, code: str) -> Row:
+def _row(
+    experiment: str, run: PlannedRun, outcome: Mapping[str, Any], seconds: float, code: str
+) -> Row:
     """Return everything that decides a run, and what came out."""
     return {
         "key": run.key,
@@ -237,7 +239,7 @@ def locally(workers: int | None = None) -> Executor:
     """
     count = workers or processors()
 
-    def run(job: Job, work: Sequence[Sequence[Run]]) -> Iterator[list[Row]]:
+    def run(job: Job, work: Sequence[Sequence[PlannedRun]]) -> Iterator[list[Row]]:
         if count == 1 or len(work) < 2:
             yield from (job(batch) for batch in work)
         else:
@@ -259,7 +261,7 @@ def in_processes(workers: int | None = None) -> Executor:
     """
     count = workers or processors()
 
-    def run(job: Job, work: Sequence[Sequence[Run]]) -> Iterator[list[Row]]:
+    def run(job: Job, work: Sequence[Sequence[PlannedRun]]) -> Iterator[list[Row]]:
         todo = iter(work)
         while left := (yield from _until_a_worker_dies(job, todo, min(count, len(work) or 1))):
             # In the order of their submission: those in work, and the one that is next.
@@ -270,12 +272,12 @@ def in_processes(workers: int | None = None) -> Executor:
 
 
 def _until_a_worker_dies(
-    job: Job, todo: Iterator[Sequence[Run]], count: int
-) -> Generator[list[Row], None, list[Sequence[Run]]]:
+    job: Job, todo: Iterator[Sequence[PlannedRun]], count: int
+) -> Generator[list[Row], None, list[Sequence[PlannedRun]]]:
     """Yield the rows of finished batches; return those that were begun when a worker died."""
     with local_pool(count) as pool:
         # A few batches ahead of each worker: none waits, and a long study needs no memory.
-        pending: dict[Future[list[Row]], Sequence[Run]] = {}
+        pending: dict[Future[list[Row]], Sequence[PlannedRun]] = {}
         while True:
             for batch in islice(todo, 3 * count - len(pending)):
                 try:
@@ -291,7 +293,7 @@ def _until_a_worker_dies(
                 yield future.result()
 
 
-def _one_by_one(job: Job, batches: Iterable[Sequence[Run]]) -> Iterator[list[Row]]:
+def _one_by_one(job: Job, batches: Iterable[Sequence[PlannedRun]]) -> Iterator[list[Row]]:
     """Yield the rows of batches, each computed alone; a run that kills its worker has failed."""
     todo = list(batches)
     while todo:

@@ -17,7 +17,7 @@ class StudyError(PosflockError):
     """A study file asks for something that cannot be run."""
 
 
-class Spread(WordEnum):
+class ParameterSpread(WordEnum):
     """How the values of a parameter are spread; what a study file calls it."""
 
     #: From low to high.
@@ -36,7 +36,7 @@ class ParameterDistribution:
 
     Attributes
     ----------
-    kind : Spread
+    kind : ParameterSpread
         How its values are spread.
     arguments : tuple
         Two numbers, or the list to choose from.
@@ -47,11 +47,11 @@ class ParameterDistribution:
         Where the arguments make no sense.
     """
 
-    kind: Spread
+    kind: ParameterSpread
     arguments: tuple[Value, ...]
 
     def __post_init__(self) -> None:
-        if self.kind is Spread.CHOICE:
+        if self.kind is ParameterSpread.CHOICE:
             if not self.arguments:
                 raise StudyError("choice: expected a list of at least one value, got none")
             return
@@ -59,11 +59,11 @@ class ParameterDistribution:
         if len(numbers) != 2 or len(self.arguments) != 2:
             raise StudyError(f"{self.kind}: expected two numbers, got {list(self.arguments)}")
         first, second = numbers
-        if self.kind is Spread.NORMAL and second < 0.0:
+        if self.kind is ParameterSpread.NORMAL and second < 0.0:
             raise StudyError(f"normal: expected a deviation of zero or more, got {second}")
-        if self.kind is not Spread.NORMAL and not first <= second:
+        if self.kind is not ParameterSpread.NORMAL and not first <= second:
             raise StudyError(f"{self.kind}: expected low ≤ high, got {first} and {second}")
-        if self.kind is Spread.LOGUNIFORM and first <= 0.0:
+        if self.kind is ParameterSpread.LOGUNIFORM and first <= 0.0:
             raise StudyError(f"loguniform: expected numbers above zero, got {first}")
 
     def as_dict(self) -> dict[str, list[Value]]:
@@ -72,9 +72,11 @@ class ParameterDistribution:
 
     def examples(self) -> tuple[Value, ...]:
         """Return values of every type that may be drawn, with the least and the greatest."""
-        if self.kind is Spread.CHOICE:
+        if self.kind is ParameterSpread.CHOICE:
             return self.arguments
-        mean_or_bounds = self.arguments[:1] if self.kind is Spread.NORMAL else self.arguments
+        mean_or_bounds = (
+            self.arguments[:1] if self.kind is ParameterSpread.NORMAL else self.arguments
+        )
         return (0.5, *map(float, mean_or_bounds))
 
     def draw(self, generator: np.random.Generator) -> Value:
@@ -88,13 +90,13 @@ class ParameterDistribution:
         return _DRAWS[self.kind](generator, self.arguments)
 
 
-_DRAWS: dict[Spread, Callable[[np.random.Generator, Any], Value]] = {
-    Spread.UNIFORM: lambda generator, a: float(generator.uniform(a[0], a[1])),
-    Spread.LOGUNIFORM: lambda generator, a: float(
+_DRAWS: dict[ParameterSpread, Callable[[np.random.Generator, Any], Value]] = {
+    ParameterSpread.UNIFORM: lambda generator, a: float(generator.uniform(a[0], a[1])),
+    ParameterSpread.LOGUNIFORM: lambda generator, a: float(
         np.exp(generator.uniform(np.log(a[0]), np.log(a[1])))
     ),
-    Spread.NORMAL: lambda generator, a: float(generator.normal(a[0], a[1])),
-    Spread.CHOICE: lambda generator, a: a[int(generator.integers(len(a)))],
+    ParameterSpread.NORMAL: lambda generator, a: float(generator.normal(a[0], a[1])),
+    ParameterSpread.CHOICE: lambda generator, a: a[int(generator.integers(len(a)))],
 }
 
 
@@ -119,8 +121,10 @@ def read_distribution(name: str, said: Any) -> ParameterDistribution:
             f" {{ uniform = [0.0, 1.0] }}, got {said!r}"
         )
     ((kind, arguments),) = said.items()
-    if kind not in list(Spread):
-        raise StudyError(f"distributions.{name}: expected one of {', '.join(Spread)}; got {kind!r}")
+    if kind not in list(ParameterSpread):
+        raise StudyError(
+            f"distributions.{name}: expected one of {', '.join(ParameterSpread)}; got {kind!r}"
+        )
     if not isinstance(arguments, list):
         raise StudyError(f"distributions.{name}: expected a list for {kind}, got {arguments!r}")
-    return ParameterDistribution(Spread(kind), tuple(arguments))
+    return ParameterDistribution(ParameterSpread(kind), tuple(arguments))

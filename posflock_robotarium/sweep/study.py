@@ -84,7 +84,7 @@ class Figure:
 
 
 @dataclass(frozen=True)
-class Run:
+class PlannedRun:
     """One run of a study.
 
     Attributes
@@ -185,7 +185,7 @@ class Study:
         """Digest of the code that computes the runs."""
         return code_of(self.experiment, self.module)
 
-    def runs(self) -> list[Run]:
+    def runs(self) -> list[PlannedRun]:
         """Return every run, combination by combination."""
         code = self.code
         return [
@@ -212,7 +212,7 @@ class Study:
         combination: dict[str, Value],
         parameters: dict[str, Value],
         replication: int,
-    ) -> Run:
+    ) -> PlannedRun:
         identity = {
             "experiment": self.experiment.name,
             "parameters": parameters,
@@ -228,7 +228,7 @@ class Study:
         drawn = {n: d.draw(generator) for n, d in sorted(self.distributions.items())}
         chosen = self.experiment.with_defaults({**self.parameters, **combination, **drawn})
         key = _digest({"run": name, "code": code, "reads": self.experiment.reads(chosen)})
-        return Run(key, point, replication, chosen, stream)
+        return PlannedRun(key, point, replication, chosen, stream)
 
 
 def _digest(identity: Mapping[str, Any]) -> str:

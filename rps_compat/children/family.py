@@ -16,7 +16,7 @@ from rps_compat.children import VARIABLE, names
 from rps_compat.children.gathering import Children, gather, terminate
 from rps_compat.children.leftovers import Leftovers
 from rps_compat.children.plan import Plan
-from rps_compat.children.records import Instance, InstanceRecord
+from rps_compat.children.records import InstanceRecord, RobotariumInstance
 from rps_compat.install import import_path
 from rps_compat.own_imports import keep_apart
 from rps_compat.recording import Recording
@@ -221,7 +221,7 @@ class Family:
         self, number: int, robots: int, log: Path | None, copied: bool
     ) -> InstanceRecord:
         path = "" if log is None else str(log)
-        instance = Instance(self._name_of_logs(), number, robots, path, copied)
+        instance = RobotariumInstance(self._name_of_logs(), number, robots, path, copied)
         return InstanceRecord(self._room, instance)
 
     def _end_of_work(self) -> None:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rps_compat.children.leftovers import GRACE
-from rps_compat.children.records import Instance, Record
+from rps_compat.children.records import Record, RobotariumInstance
 from rps_compat.recording import files_of
 from rps_compat.report import RunReport, report_of
 from rps_compat.running.outcome import LoggedEnd
@@ -53,7 +53,7 @@ def gather(room: Path) -> Children:
         instances = [
             instance
             for path in sorted(room.glob(f"{process.stem}-*.instance"), key=_in_order)
-            if (instance := Instance.read(path)).process == process.stem
+            if (instance := RobotariumInstance.read(path)).process == process.stem
         ]
         records = [Record.read(room, instance) for instance in instances]
         for instance, record in zip(instances, records, strict=True):

@@ -22,7 +22,7 @@ _KINDS = tuple(FaultKind)
 
 
 @dataclass(frozen=True)
-class Instance:
+class RobotariumInstance:
     """What does not change about one instance.
 
     Attributes
@@ -51,7 +51,7 @@ class Instance:
         return f"{self.process}-{self.number}"
 
     @classmethod
-    def read(cls, path: Path) -> "Instance":
+    def read(cls, path: Path) -> "RobotariumInstance":
         """Read what :meth:`write` has written.
 
         Parameters
@@ -83,7 +83,7 @@ class InstanceRecord(RecordWriter):
         Which it is.
     """
 
-    def __init__(self, room: Path, instance: Instance) -> None:
+    def __init__(self, room: Path, instance: RobotariumInstance) -> None:
         self._file = open(room / f"{instance.name}.steps", "w+b", buffering=0)  # noqa: SIM115
         instance.write(room)
         self._violations: Violations | None = None
@@ -143,14 +143,14 @@ class Record:
     over: bool
 
     @classmethod
-    def read(cls, room: Path, instance: Instance) -> "Record":
+    def read(cls, room: Path, instance: RobotariumInstance) -> "Record":
         """Read what an instance has left.
 
         Parameters
         ----------
         room : Path
             Folder of the run's records.
-        instance : Instance
+        instance : RobotariumInstance
             Whose record it is.
         """
         content = (room / f"{instance.name}.steps").read_bytes()

@@ -31,7 +31,7 @@ from rps_compat.report import RunReport
 from rps_compat.run_folder import REPORT_DATA, REPORT_TEXT
 from rps_compat.running.ending import End, TimeLimit, end_of
 from rps_compat.running.limits import limit_memory
-from rps_compat.running.measures import Measures
+from rps_compat.running.measures import RunMeasures
 from rps_compat.running.outcome import Ended, Outcome
 from rps_compat.running.plan import ClockPolicy, RunPlan
 from rps_compat.running.policy import Guard
@@ -107,7 +107,7 @@ class _Run:
         self.clock = (
             SimulatedClock(charge=True) if charged else SimulatedClock(longest_wait=MAX_DURATION)
         )
-        self.measures = Measures(self.clock) if plan.measures else None
+        self.measures = RunMeasures(self.clock) if plan.measures else None
         self.schedule = Schedule(plan, self._seconds)
         self.profile = None
         if plan.profile is not None:

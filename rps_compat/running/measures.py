@@ -17,7 +17,7 @@ from rps_compat.clock import SimulatedClock
 from rps_compat.running.outcome import Gap, LoopTimes, Outcome, Silence
 
 
-class Measures:
+class RunMeasures:
     """Measures one run; as the pace of every Robotarium it lets each step's time pass, too.
 
     Parameters

@@ -13,7 +13,7 @@ from rps_compat.bridges import takes_one_element
 from rps_compat.errors import RobotariumError, WrongArgumentError
 from rps_compat.generations import Generation
 from rps_compat.scripts.changes import CHANGES, Kind
-from rps_compat.scripts.evidence import Evidence
+from rps_compat.scripts.evidence import GenerationEvidence
 from rps_compat.scripts.generation_names import (
     ATTRIBUTES,
     FUNCTIONS,
@@ -48,14 +48,14 @@ _NO_SUCH_NAME = {
 REHEARSE = "`posflock bundle` and `posflock rehearse` run it with the testbed's versions"
 
 
-def hint(error: BaseException, evidence: Evidence, generation: Generation) -> str | None:
+def hint(error: BaseException, evidence: GenerationEvidence, generation: Generation) -> str | None:
     """Return what to try after `error` ended a script that ran as `generation`; None if nothing.
 
     Parameters
     ----------
     error : BaseException
         What ended it.
-    evidence : Evidence
+    evidence : GenerationEvidence
         What the script's source says about its generation.
     generation : int
         1 or 2.

@@ -22,7 +22,7 @@ TOLD = 5
 
 
 @dataclass(frozen=True)
-class Evidence:
+class GenerationEvidence:
     """What in a script speaks for which generation.
 
     Attributes
@@ -120,7 +120,7 @@ def place(use: Use) -> str:
     return f"{name} line {use.line}".strip()
 
 
-def evidence_of(uses: Iterable[Use]) -> Evidence:
+def evidence_of(uses: Iterable[Use]) -> GenerationEvidence:
     """Return what among all `uses` of a script is evidence.
 
     Parameters
@@ -128,10 +128,10 @@ def evidence_of(uses: Iterable[Use]) -> Evidence:
     uses : iterable of Use
         All uses of a script.
     """
-    return Evidence(tuple(use for use in uses if isinstance(use.entry, ApiName)))
+    return GenerationEvidence(tuple(use for use in uses if isinstance(use.entry, ApiName)))
 
 
-def evidence_in(script: Path | Program) -> Evidence:
+def evidence_in(script: Path | Program) -> GenerationEvidence:
     """Read what speaks for which generation in a script and the modules beside it.
 
     Parameters

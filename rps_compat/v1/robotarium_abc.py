@@ -21,7 +21,7 @@ from rps_compat.pace import pace_of
 from rps_compat.report import MESSAGES
 from rps_compat.testbed import GRITSBOT_X, RobotModel
 from rps_compat.v1.drawing import GritsbotPatches
-from rps_compat.v1.sensing import Sensing
+from rps_compat.v1.sensing import SensorFace
 from rps_compat.violations import FaultKind
 from rps_compat.wrong_generation import refuse, refuse_new_arguments
 
@@ -35,7 +35,7 @@ __all__ = [
 ]  # fmt: skip
 
 
-class RobotariumABC(Sensing, ABC):
+class RobotariumABC(SensorFace, ABC):
     """The parts of a Robotarium that do not depend on where its robots are.
 
     Parameters

@@ -23,7 +23,7 @@ class _ByNewNames:
     #: The body's centre is where the pose is.
     CENTER_OFFSET = 0.0
 
-    def __init__(self, robotarium: "Sensing") -> None:
+    def __init__(self, robotarium: "SensorFace") -> None:
         self._of = weakref.proxy(robotarium)  # it owns this
 
     def __getattr__(self, name: str) -> Any:
@@ -34,7 +34,7 @@ class _ByNewNames:
         return getattr(self._of, name.lower() if name.isupper() else name)
 
 
-class Sensing:
+class SensorFace:
     """What an instance of generation 1 has of sensors; constants may be changed by scripts."""
 
     encoder_counts_per_revolution = float(ARobotarium.ENCODER_COUNTS_PER_REVOLUTION)

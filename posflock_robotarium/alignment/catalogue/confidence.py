@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from posflock_robotarium.alignment.estimators import Noise, expected_bias, tracking_noise
+from posflock_robotarium.alignment.estimators import TrackingNoise, expected_bias, tracking_noise
 from posflock_robotarium.alignment.measured_run import MeasuredRun
 from posflock_robotarium.alignment.metric_registry import Scalar, register
 
 
-def _noise(run: MeasuredRun) -> Noise:
+def _noise(run: MeasuredRun) -> TrackingNoise:
     """Return the noise, and its effect at the median speed of the robots that move."""
     moving = run.speeds[run.settled]
     moving = moving[np.isfinite(moving) & (moving > run.options.slowest)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from posflock_robotarium.paper.claim import Claim, Sense, Verdict
+from posflock_robotarium.paper.claim import Claim, Result, Sense
 from posflock_robotarium.paper.measurements import (
     P,
     V,
@@ -34,9 +34,9 @@ CLAIMS: tuple[Claim, ...] = (
         1.0,
         0.9,
         reasons={
-            Verdict.HOLDS_WEAKLY: "A few starts settle into a slow, turning flock instead: where"
+            Result.HOLDS_WEAKLY: "A few starts settle into a slow, turning flock instead: where"
             " the drift is slow the saturation damps little.",
-            Verdict.DOES_NOT_HOLD: "Starts whose drift is slow settle into a turning flock, which"
+            Result.DOES_NOT_HOLD: "Starts whose drift is slow settle into a turning flock, which"
             " the saturation damps little.",
         },
     ),
@@ -59,7 +59,7 @@ CLAIMS: tuple[Claim, ...] = (
         0.02,
         0.0,
         reasons={
-            Verdict.HOLDS_WEAKLY: "The advantage is there, but too small to be called marked: both"
+            Result.HOLDS_WEAKLY: "The advantage is there, but too small to be called marked: both"
             " models come near γ = 1.",
         },
     ),
@@ -93,7 +93,7 @@ CLAIMS: tuple[Claim, ...] = (
         20.0,
         "s",
         reasons={
-            Verdict.DOES_NOT_HOLD: "γ rises to a plateau on which the instant of its largest value"
+            Result.DOES_NOT_HOLD: "γ rises to a plateau on which the instant of its largest value"
             " is chance.",
         },
     ),

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from posflock_robotarium.paper.claim import Claim, Sense, Verdict
-from posflock_robotarium.paper.evidence import Study
+from posflock_robotarium.paper.claim import Claim, Result, Sense
+from posflock_robotarium.paper.evidence import Varied
 from posflock_robotarium.paper.measurements import P, noise_advantage, settled_at
 
 CLAIMS: tuple[Claim, ...] = (
@@ -11,7 +11,7 @@ CLAIMS: tuple[Claim, ...] = (
         "three-dimensions",
         "agents in R^d, “d = {2, 3}”",
         "median over seeds of the mean γ for t > 20 s in three dimensions, P-based (thr.)",
-        settled_at(Study.THREE_DIMENSIONS, P, 3.0),
+        settled_at(Varied.THREE_DIMENSIONS, P, 3.0),
         Sense.AT_LEAST,
         0.99,
         0.95,
@@ -21,12 +21,12 @@ CLAIMS: tuple[Claim, ...] = (
         "“scales favorably to larger teams”",
         "median over seeds of the mean γ for t > 20 s, 100 agents at the same density,"
         " P-based (thr.)",
-        settled_at(Study.LARGER_TEAMS, P, 2.0),
+        settled_at(Varied.LARGER_TEAMS, P, 2.0),
         Sense.AT_LEAST,
         0.99,
         0.90,
         reasons={
-            Verdict.HOLDS_WEAKLY: "More of the larger flocks settle into turning groups.  The time"
+            Result.HOLDS_WEAKLY: "More of the larger flocks settle into turning groups.  The time"
             " and the bandwidth that an agent needs do not grow.",
         },
     ),
@@ -46,12 +46,12 @@ CLAIMS: tuple[Claim, ...] = (
         "“fault-tolerant alignment under sensing or communication failures”",
         "median over seeds of the mean γ for t > 20 s when each neighbour is missed at one step"
         " in ten, P-based (thr.)",
-        settled_at(Study.DROPOUT, P, 0.1),
+        settled_at(Varied.DROPOUT, P, 0.1),
         Sense.AT_LEAST,
         0.95,
         0.85,
         reasons={
-            Verdict.DOES_NOT_HOLD: "A missed neighbour changes |N|, which multiplies every rest"
+            Result.DOES_NOT_HOLD: "A missed neighbour changes |N|, which multiplies every rest"
             " distance and the gain: dropout becomes a strong random force, which nothing"
             " averages.",
         },
@@ -61,7 +61,7 @@ CLAIMS: tuple[Claim, ...] = (
         "“scalability, and fault tolerance” of position-based models",
         "median over seeds of the mean γ for t > 20 s of the survivors when a tenth of the agents"
         " vanishes at 30 s, P-based (thr.)",
-        settled_at(Study.VANISHING, P, 0.1),
+        settled_at(Varied.VANISHING, P, 0.1),
         Sense.AT_LEAST,
         0.95,
         0.85,
@@ -70,12 +70,12 @@ CLAIMS: tuple[Claim, ...] = (
         "agents-may-stop",
         "“scalability, and fault tolerance” of position-based models",
         "the same when one agent in fifty stops dead and is still sensed",
-        settled_at(Study.STOPPING, P, 0.02),
+        settled_at(Varied.STOPPING, P, 0.02),
         Sense.AT_LEAST,
         0.95,
         0.85,
         reasons={
-            Verdict.DOES_NOT_HOLD: "Nothing tells an agent that stopped from one that flocks, and"
+            Result.DOES_NOT_HOLD: "Nothing tells an agent that stopped from one that flocks, and"
             " the imprint ties its neighbours to it: one anchors fifty.",
         },
     ),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from posflock_robotarium.paper.claim import Claim, Sense, Verdict
+from posflock_robotarium.paper.claim import Claim, Result, Sense
 from posflock_robotarium.paper.measurements import (
     N,
     P,
@@ -26,7 +26,7 @@ CLAIMS: tuple[Claim, ...] = (
         Sense.AT_MOST,
         1e-9,
         0.05,
-        reasons={Verdict.HOLDS: "Until t = 1/k the two laws are one."},
+        reasons={Result.HOLDS: "Until t = 1/k the two laws are one."},
     ),
     Claim(
         "no-threshold-decays",
@@ -69,7 +69,7 @@ CLAIMS: tuple[Claim, ...] = (
         0.0,
         "m²",
         reasons={
-            Verdict.DOES_NOT_HOLD: "It falls: cohesion draws the corners of the first square in."
+            Result.DOES_NOT_HOLD: "It falls: cohesion draws the corners of the first square in."
             " What rises and then stays is the variance of the change of pairwise distances.",
         },
     ),
@@ -95,7 +95,7 @@ CLAIMS: tuple[Claim, ...] = (
         0.1,
         0.5,
         reasons={
-            Verdict.DOES_NOT_HOLD: "The threshold that keeps the alignment also keeps the weight of"
+            Result.DOES_NOT_HOLD: "The threshold that keeps the alignment also keeps the weight of"
             " the imprint, at k·|N| for ever; it fades only without the threshold.",
         },
     ),

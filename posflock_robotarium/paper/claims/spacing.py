@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from posflock_robotarium.paper.claim import Claim, Sense, Verdict
+from posflock_robotarium.paper.claim import Claim, Result, Sense
 from posflock_robotarium.paper.measurements import (
     P,
     V,
@@ -33,7 +33,7 @@ CLAIMS: tuple[Claim, ...] = (
         0.95,
         0.75,
         reasons={
-            Verdict.DOES_NOT_HOLD: "Neighbours are closer but the flock is wider: the imprint keeps"
+            Result.DOES_NOT_HOLD: "Neighbours are closer but the flock is wider: the imprint keeps"
             " the extent of the first square, which V-based flocks contract from.",
         },
     ),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from posflock_robotarium.paper.claim import Claim, Sense, Verdict
+from posflock_robotarium.paper.claim import Claim, Result, Sense
 from posflock_robotarium.paper.measurements import (
     denser_with_smaller_scale,
     head_on_passes,
@@ -20,7 +20,7 @@ CLAIMS: tuple[Claim, ...] = (
         0.0,
         0.05,
         reasons={
-            Verdict.DOES_NOT_HOLD: "The repulsion is bounded by δ·|N| (and by u_max), so that fast"
+            Result.DOES_NOT_HOLD: "The repulsion is bounded by δ·|N| (and by u_max), so that fast"
             " agents with a small δ cross its whole range. Real robots need a certificate.",
         },
     ),
