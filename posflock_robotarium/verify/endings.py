@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -151,6 +152,12 @@ def _failed(end: _End) -> Finding:
             return end.finding(Code.FILE_ENDING, message, advice)
         message = f"reads {missing}, which is not beside the script"
         return end.finding(Code.FILE_MISSING, message, "put it beside the script")
+    if error.number in (errno.EFBIG, errno.EDQUOT):
+        policy = _POLICIES[Code.DISK]
+        return end.finding(Code.DISK, f"{policy.words} ({what})", policy.advice)
+    if error.number == errno.EROFS:  # native code, which only namespaces have held
+        policy = _POLICIES[Code.OUTSIDE_WRITE]
+        return end.finding(Code.OUTSIDE_WRITE, f"{policy.words} ({what})", policy.advice)
     newer = newer_library(error.type, error.message)
     if newer:  # that is, only this machine refuses it
         return end.finding(Code.INTERNAL, f"could not be run: {newer}", REHEARSE, Verdict.RISK)
@@ -176,6 +183,8 @@ _POLICIES = {
     ),
     Code.FORK: _Policy("starts or ends other processes", "do the work in one process"),
     Code.NETWORK: _Policy("uses the network", "upload what it needs as files", Verdict.RISK),
+    Code.MEMORY: _Policy("needs more memory than the limit", "use smaller arrays"),
+    Code.DISK: _Policy("writes or prints more than the limit", "write less, or every tenth step"),
     Code.BLOCKING_CALL: _Policy(
         "waits for somebody, and on the testbed nobody is there", "remove it", stopped=False
     ),
