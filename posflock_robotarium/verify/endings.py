@@ -57,7 +57,7 @@ def judge_end(
     if ideal.ended in FATAL:
         finding = _ending(_End(ideal, Verdict.FAIL))
         waits = ideal.ended is Ended.HUNG and any(f.code is Code.BLOCKING_CALL for f in known)
-        if finding and not waits and not is_explained(ideal.error, known):
+        if finding and not waits and not is_explained(ideal.error, known) and not _refused(ideal):
             yield finding
         return
     if ideal.ended is Ended.OVER_TIME and not counted:
@@ -73,6 +73,13 @@ def judge_end(
         finding = _ending(_End(failed[0], Verdict.RISK, (len(failed), len(trials))))
         if finding:
             yield finding
+
+
+def _refused(outcome: Outcome) -> bool:
+    """Whether a run ended at a line that policy had stopped, whatever a library made of that."""
+    error = outcome.error
+    stopped = [v for v in outcome.policy_violations if v.line and _POLICIES[Code(v.kind)].stopped]
+    return error is not None and any((v.line, v.file) in error.lines for v in stopped)
 
 
 @dataclass(frozen=True)

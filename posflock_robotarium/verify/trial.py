@@ -8,6 +8,7 @@ and policy stops what it must not do.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
 from pathlib import Path
@@ -38,6 +39,7 @@ def run_trial(plan: RunPlan, teller: Teller, printed: Path) -> None:
     try:
         teller.outcome(drive(plan, Guests(teller=teller)))
     finally:
-        sys.stdout.flush()
-        sys.stderr.flush()
+        for stream in (sys.stdout, sys.stderr):
+            with contextlib.suppress(OSError):  # it has printed more than it may
+                stream.flush()
         os._exit(0)

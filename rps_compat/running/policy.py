@@ -8,6 +8,7 @@ that is `rps_compat.containment`, where the system admits it.
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -36,6 +37,9 @@ _is_hooked = False
 
 class ForbiddenError(RobotariumError, PermissionError):
     """The script tried what it must not do; the violation is on record."""
+
+    def __str__(self) -> str:
+        return str(self.strerror)
 
 
 class Guard:
@@ -183,4 +187,4 @@ def _refuse(guard: Guard, kind: PolicyKind, what: str) -> None:
         guard.record(kind, what)
     finally:
         Guard.active = guard
-    raise ForbiddenError(f"{_NO[kind]}: {what}")
+    raise ForbiddenError(errno.EPERM, f"{_NO[kind]}: {what}")
