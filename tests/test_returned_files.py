@@ -12,6 +12,7 @@ from posflock_robotarium.flocking.pose_log import PoseLog
 from posflock_robotarium.submission.environment import Environment
 from posflock_robotarium.submission.rehearse import Rehearsal
 from posflock_robotarium.submission.returned_files import FileState, ReturnedFile, describe_file
+from rps_compat.containment.namespaces import Containment
 from rps_compat.report import RunReport
 from rps_compat.running.outcome import Ended, Failure, Outcome
 
@@ -76,7 +77,7 @@ def rehearsal(states=(FileState.READABLE,), pairs=0, **changes):
     report = RunReport(2, 90, 2.97, pairs, 0, 0, pairs, 0.0, ())
     outcome = Outcome(Path("main.py"), 2, Ended.FINISHED, reports=(report,), steps=90)
     files = {f"{k}.npy": ReturnedFile(state, "12 bytes") for k, state in enumerate(states)}
-    return Rehearsal(replace(outcome, **changes), Path("back"), files, HERE, "none")
+    return Rehearsal(replace(outcome, **changes), Path("back"), files, HERE, Containment.HOOK)
 
 
 def test_a_rehearsal_passes_by_its_end_its_robots_and_every_file():

@@ -122,11 +122,14 @@ def _print_rehearsal(done: "Rehearsal", page: Path | None) -> None:
     steps = f", {count(outcome.steps, 'step')}" if outcome.steps is not None else ""
     say(f"{outcome.ended}{after}{steps}{why}")
     versions = ", ".join(f"{name} {v}" for name, v in environment.libraries.items())
-    say(f"environment: Python {environment.version}, {versions}; {done.network}")
+    say(f"environment: Python {environment.version}, {versions}; {done.containment.about}")
     if environment.note:
         say(f"note: {environment.note}")
     for name, found in done.files.items():
         say(f"  {name}: {found}")
+    for violation in outcome.policy_violations:
+        where = f"{violation.file}, line {violation.line}: " if violation.line else ""
+        say(f"  {where}{violation.kind} ({violation.what})")
     ran = outcome.report
     if ran is not None and (not ran.clean or ran.steps_over_actuator_limits):
         say(f"  {ran.verdict}")

@@ -206,6 +206,7 @@ Jobs = Annotated[
 Stall = Annotated[float, typer.Option(help="Seconds without a step after which a trial hangs.")]
 TrialSeconds = Annotated[float, typer.Option(help="Seconds that a trial may take.")]
 TrialMemory = Annotated[float, typer.Option(help="GiB that a trial may allocate.")]
+TrialDisk = Annotated[float, typer.Option(help="GiB that a trial may write.")]
 
 BundleFolder = Annotated[
     Path,

@@ -70,19 +70,18 @@ def _resimulated(runs: list[Path], profile: str | None) -> "Iterator[list[Path]]
     if profile is None:
         yield runs
         return
-    import tempfile
-
     from posflock_robotarium.calibration import calibrate, read_commanded, resimulate
     from posflock_robotarium.logs.convert import write_pose_log
+    from rps_compat.containment.kept import KeptFolder
     from rps_compat.profiles import load_profile
 
-    with tempfile.TemporaryDirectory(prefix="posflock-compare-") as folder:
+    with KeptFolder("compare") as folder:
         again = []
         for number, run in enumerate(runs):
             log = read_commanded(run)
             fitted = profile == "calibrated"
             chosen = calibrate(log).profile() if fitted else load_profile(profile)
-            place = Path(folder) / str(number)
+            place = folder / str(number)
             place.mkdir()
             target = place / f"{run.stem}_resimulated"
             again.append(write_pose_log(resimulate(log, chosen), target))

@@ -32,6 +32,7 @@ def verify(
     stall: options.Stall = 20.0,
     timeout: options.TrialSeconds = 300.0,
     memory: options.TrialMemory = 2.0,
+    disk: options.TrialDisk = 0.5,
 ) -> None:
     """Predict whether the testbed takes a script, runs it to its end, and returns its data.
 
@@ -51,7 +52,7 @@ def verify(
 
     if out is not None and not effect:
         forget_report(out)
-    limits = _limits(jobs, stall, timeout, memory)
+    limits = _limits(jobs, stall, timeout, memory, disk)
     console = _console()
     with _progress(hidden=json_only or not console.is_terminal) as tell:
         if effect:
@@ -83,14 +84,17 @@ def verify(
     raise typer.Exit(report.exit_code)
 
 
-def _limits(jobs: int | None, stall: float, timeout: float, memory: float) -> "Limits":
+def _limits(jobs: int | None, stall: float, timeout: float, memory: float, disk: float) -> "Limits":
     from posflock_robotarium.flocking.errors import ParameterError
     from posflock_robotarium.verify.trials import Limits
 
-    for name, value in (("stall", stall), ("timeout", timeout), ("memory", memory)):
+    asked = {"stall": stall, "timeout": timeout, "memory": memory, "disk": disk}
+    for name, value in asked.items():
         if not value > 0:
             raise ParameterError(f"{name}: expected more than 0, got {value}")
-    allowed = Limits(stall=stall, seconds=timeout, memory=int(memory * 2**30))
+    allowed = Limits(
+        stall=stall, seconds=timeout, memory=int(memory * 2**30), disk=int(disk * 2**30)
+    )
     return allowed if jobs is None else replace(allowed, jobs=jobs)
 
 

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from posflock_robotarium.flocking.errors import PosflockError
 from posflock_robotarium.submission.interpreters import installed_pythons
+from rps_compat.containment.caches import cache_folder
 from rps_compat.scripts.libraries import IMPORT_NAMES, LIBRARIES, PYTHON
 from rps_compat.whole_files import write_whole
 
@@ -92,12 +93,6 @@ def _nearest_python() -> tuple[Path, str]:
         f"the testbed runs Python {PYTHON[0]}.{PYTHON[1]}, which is not installed"
         f" here: rehearsed with {nearest[0]}.{nearest[1]}, which accepts newer syntax"
     )
-
-
-def cache_folder() -> Path:
-    """Return the folder of what is kept from one rehearsal to the next."""
-    home = os.environ.get("XDG_CACHE_HOME")
-    return (Path(home) if home else Path.home() / ".cache") / "posflock"
 
 
 def _build(base: Path, folder: Path, python: Path, pins: list[str]) -> None:

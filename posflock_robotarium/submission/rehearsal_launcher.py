@@ -5,19 +5,20 @@ Runs there, not here: it imports nothing of this package, and the simulator unde
 
 import importlib
 import json
+import os
 import sys
 
 
 def main() -> None:
-    """Obey the order that is given as the one argument, and leave the outcome where it says."""
-    with open(sys.argv[1]) as file:
-        order = json.load(file)
+    """Obey the order on the standard input, and tell the outcome through the pipe that it names."""
+    order = json.load(sys.stdin)
+    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     sys.path.append(order["simulator"])
     running = f"{order['package']}.running"
     plan = importlib.import_module(f"{running}.plan").RunPlan.from_dict(order["plan"])
-    outcome = importlib.import_module(f"{running}.driver").drive(plan)
-    with open(order["outcome"], "w") as file:
-        json.dump(outcome.as_dict(), file)
+    teller = importlib.import_module(f"{running}.watching").Teller(order["pipe"], order["word"])
+    driver = importlib.import_module(f"{running}.driver")
+    teller.outcome(driver.drive(plan, driver.Guests(teller=teller)))
 
 
 if __name__ == "__main__":

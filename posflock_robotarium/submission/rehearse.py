@@ -10,25 +10,17 @@ KeyboardInterrupt ends the run inside ``step()``.  What the script wrote comes b
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
 import shutil
-import signal
 import subprocess
-import sys
-import tempfile
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from posflock_robotarium.flocking.errors import OutputError, ParameterError
-from posflock_robotarium.submission.environment import (
-    Environment,
-    build_environment,
-    cache_folder,
-)
+from posflock_robotarium.submission.environment import Environment, build_environment
 from posflock_robotarium.submission.manifest import Manifest, check_manifest
 from posflock_robotarium.submission.private_simulator import PRIVATE, lay_simulator
 from posflock_robotarium.submission.returned_files import (
@@ -38,9 +30,21 @@ from posflock_robotarium.submission.returned_files import (
     describe_file,
 )
 from rps_compat import testbed
+from rps_compat.containment.caches import lay_font_list
+from rps_compat.containment.keeper import ProcessEnd, ProcessOrder
+from rps_compat.containment.kept import KeptFolder, KeptProcess
+from rps_compat.containment.namespaces import (
+    Containment,
+    contained,
+    containment_here,
+    python_folders,
+)
+from rps_compat.containment.room import Room
+from rps_compat.containment.usage import Allowance
 from rps_compat.running.outcome import Ended, Outcome
 from rps_compat.running.plan import RunPlan
 from rps_compat.running.policy_violations import PolicyKind
+from rps_compat.running.watching import Listener, new_word
 from rps_compat.scripts import import_graph
 from rps_compat.whole_files import remove_drafts
 
@@ -50,7 +54,11 @@ if TYPE_CHECKING:
 #: What the testbed calls the main file.
 _MAIN = "main.py"
 #: Names in the room of a rehearsal.
-_SIMULATOR, _OUTCOME = "private", "outcome.json"
+_SIMULATOR, _PRINTED = "private", "said.txt"
+#: What a rehearsal may use; as on the testbed, libraries may be large.
+_ALLOWANCE = Allowance(memory=4 << 30)
+#: Seconds of real time after the time limit, after which a run that goes on is killed.
+_GRACE = 10.0
 #: Ends of a run that are none of its faults.
 _GOOD = (Ended.FINISHED, Ended.IDLE, Ended.OVER_TIME)
 #: How robots may come to their initial conditions.
@@ -71,15 +79,15 @@ class Rehearsal:
         Each of them by name, and what was found on opening it.
     environment : Environment
         Where it ran.
-    network : str
-        How the network was kept away.
+    containment : Containment
+        What held it.
     """
 
     outcome: Outcome
     folder: Path
     files: dict[str, ReturnedFile]
     environment: Environment
-    network: str
+    containment: Containment
 
     @property
     def passed(self) -> bool:
@@ -88,7 +96,10 @@ class Rehearsal:
         broken = outcome.error is not None and outcome.error.type != "KeyboardInterrupt"
         collided = outcome.report is not None and outcome.report.pairs_too_close > 0
         opened = all(found.state is not FileState.UNREADABLE for found in self.files.values())
-        return outcome.ended in _GOOD and not broken and not collided and opened
+        stayed = all(
+            found.kind is not PolicyKind.OUTSIDE_WRITE for found in outcome.policy_violations
+        )
+        return outcome.ended in _GOOD and not broken and not collided and opened and stayed
 
     @property
     def reason(self) -> str:
@@ -119,7 +130,7 @@ class Rehearsal:
                 for name, found in self.files.items()
             },
             "environment": environment,
-            "network": self.network,
+            "containment": self.containment.value,
         }
 
 
@@ -156,7 +167,7 @@ def rehearse(
         How robots come to their initial conditions: ``arrive`` within 5 cm and 0.2 rad,
         ``exact``, or ``drive``.
     timeout : float
-        Seconds of real time after which the run is interrupted, and soon killed.
+        Seconds of real time after which the run is stopped, and soon killed.
     environment : Environment, optional
         Where to run it instead of in the testbed's copy.
     tell : callable, optional
@@ -175,14 +186,14 @@ def rehearse(
     """
     _refuse_outside_ranges(duration, timeout, initial, generation)
     folder, out = Path(folder), Path(out)
-    plan = _plan(duration, profile, seed, generation, initial)
+    plan = replace(_plan(duration, profile, seed, generation, initial), timeout=timeout)
     manifest = check_manifest(folder)
     _empty(out)
     libraries = import_graph.trace(folder / manifest.main).libraries
     environment = environment or build_environment(libraries, tell)
     if tell is not None:
         tell(f"rehearsing {manifest.main} under Python {environment.version}")
-    return _rehearsed(folder, out, manifest, plan, environment, timeout)
+    return _rehearsed(folder, out, manifest, plan, environment)
 
 
 def _refuse_outside_ranges(duration: float, timeout: float, initial: str, generation: int) -> None:
@@ -215,131 +226,117 @@ def _plan(
         profile=profile_to_dict(chosen) if chosen.effects else None,
         wait=False,
         keeps_apart=False,
-        forbidden=(PolicyKind.NETWORK,),
+        forbidden=(PolicyKind.OUTSIDE_WRITE, PolicyKind.NETWORK),
         forbidden_to_libraries=True,
         longest=duration,
         kills_deaf=True,
+        memory=_ALLOWANCE.memory,
+        disk=_ALLOWANCE.disk,
     )
 
 
 def _rehearsed(
-    folder: Path,
-    out: Path,
-    manifest: Manifest,
-    plan: RunPlan,
-    environment: Environment,
-    timeout: float,
+    folder: Path, out: Path, manifest: Manifest, plan: RunPlan, environment: Environment
 ) -> Rehearsal:
     """Run the bundle in a room of its own, and bring back what it wrote."""
-    with tempfile.TemporaryDirectory(prefix="posflock-rehearsal-") as place:
-        room = Path(place)
+    how = containment_here()
+    with KeptFolder("rehearsal") as room:
         scratch = room / "upload"
         scratch.mkdir()
         for name in manifest.files:
             shutil.copyfile(folder / name, scratch / (_MAIN if name == manifest.main else name))
         lay_simulator(room / _SIMULATOR)
-        plan = replace(plan, folder=os.path.realpath(scratch))
-        end = _run(environment, plan, room, timeout)
+        fonts = room / "matplotlib"
+        lay_font_list(environment.python, fonts)
+        plan = replace(plan, folder=str(scratch), writable=(str(fonts),))
+        end = _run(environment, plan, room, how)
         uploaded = set(manifest.files) - {manifest.main} | {_MAIN}
         back = bring_back(scratch, out, uploaded, end.said)
-        outcome = _read_outcome(room / _OUTCOME, plan, end)
     files = {name: describe_file(out / name) for name in back if name != "log.txt"}
-    return Rehearsal(outcome, out, files, environment, end.network)
+    return Rehearsal(_outcome(plan, end), out, files, environment, how)
 
 
 @dataclass(frozen=True)
 class _End:
-    """How the process of a rehearsal ended.
+    """How the process of a rehearsal ended, what it told, and what it printed."""
 
-    Attributes
-    ----------
-    code : int
-        Its exit code; below 0 where a signal ended it.
-    timed_out : bool
-        Whether its time was over.
-    said : str
-        What it printed.
-    network : str
-        How the network was kept away, in words.
-    """
-
-    code: int
-    timed_out: bool
+    process: ProcessEnd
+    told: Listener
     said: str
-    network: str
 
 
-def _run(environment: Environment, plan: RunPlan, room: Path, timeout: float) -> _End:
+def _run(environment: Environment, plan: RunPlan, room: Path, how: Containment) -> _End:
     """Run the plan in a process of its own, and end that with all that it started."""
+    assert plan.timeout is not None
     launcher = Path(__file__).with_name("rehearsal_launcher.py")
-    order = {
-        "simulator": str(room / _SIMULATOR),
-        "package": PRIVATE["rps_compat"],
-        "plan": asdict(plan),
-        "outcome": str(room / _OUTCOME),
-    }
-    (room / "order.json").write_text(json.dumps(order))
-    command = [str(environment.python), "-I", "-B", str(launcher), str(room / "order.json")]
-    network = "socket calls refused in Python; native code is not stopped"
-    if _can_unshare():
-        command = ["unshare", "--map-root-user", "--net", *command]
-        network = "no network: a network namespace of its own"
+    writable = (plan.folder, *plan.writable)
+    readable = (str(room / _SIMULATOR), str(launcher.parent), *python_folders(environment.python))
+    command = [str(environment.python), "-I", "-B", str(launcher)]
+    printed = room / _PRINTED
+    order = ProcessOrder(
+        contained(how, Room(writable, readable, plan.folder), command),
+        seconds=plan.timeout + _GRACE,
+        folder=plan.folder,
+        printed=str(printed),
+        allowance=asdict(_ALLOWANCE),
+    )
     kept = {name: os.environ[name] for name in ("PATH", "HOME", "LANG") if name in os.environ}
+    ear, mouth = os.pipe()
+    told = Listener(ear, new_word())
     # Into a file: a pipe would stay open as long as anything that the script left running.
-    with open(room / "said.txt", "wb") as said:
-        process = subprocess.Popen(
-            command,
+    with open(printed, "ab") as said:
+        process = KeptProcess(
+            order,
             cwd=plan.folder,
-            stdin=subprocess.DEVNULL,
+            stdin=subprocess.PIPE,
             stdout=said,
             stderr=subprocess.STDOUT,
-            start_new_session=True,
+            pass_fds=(mouth,),
             env=kept
             | {
                 "MPLBACKEND": "Agg",
-                "MPLCONFIGDIR": str(cache_folder() / "matplotlib"),
+                "MPLCONFIGDIR": plan.writable[0],
                 "OPENBLAS_NUM_THREADS": "1",
                 "PYTHONUNBUFFERED": "1",
             },
         )
-        timed_out = False
-        try:
-            for grace, sent in ((timeout, signal.SIGINT), (10.0, signal.SIGKILL), (None, None)):
-                try:
-                    process.wait(timeout=grace)
-                    break
-                except subprocess.TimeoutExpired:
-                    assert sent is not None
-                    timed_out = True
-                    os.killpg(process.pid, sent)
-        finally:  # the run and whatever it started
-            with contextlib.suppress(ProcessLookupError, PermissionError):
-                os.killpg(process.pid, signal.SIGKILL)
-    text = (room / "said.txt").read_text(encoding="utf-8", errors="replace")
-    return _End(process.returncode, timed_out, text, network)
-
-
-def _can_unshare() -> bool:
-    if sys.platform != "linux" or shutil.which("unshare") is None:
-        return False
-    command = ["unshare", "--map-root-user", "--net", "true"]
-    return subprocess.run(command, capture_output=True, check=False).returncode == 0
-
-
-def _read_outcome(path: Path, plan: RunPlan, end: _End) -> Outcome:
-    """Return what the run tells of itself, or what is known of it."""
+    os.close(mouth)
     try:
-        outcome = Outcome.from_dict(json.loads(path.read_text()))
-    except (OSError, ValueError):
-        ended, reason = Ended.HUNG, "it was killed, or went on after it had been interrupted"
-        if end.code >= 0:  # not by a signal
-            ended, reason = Ended.DIED, f"its process ended itself, exit code {end.code}"
-        script = Path(plan.folder, plan.script)
-        return Outcome(script, plan.generation, ended, reason, abs(end.code) or 1)
-    if end.timed_out and outcome.ended is Ended.INTERRUPTED:
-        reason = "stopped by the time limit"
-        return replace(outcome, ended=Ended.TIMED_OUT, reason=reason)
-    return outcome
+        process.stdin.write(
+            json.dumps(
+                {
+                    "simulator": str(room / _SIMULATOR),
+                    "package": PRIVATE["rps_compat"],
+                    "plan": asdict(plan),
+                    "pipe": mouth,
+                    "word": told.word,
+                }
+            )
+        )
+        process.stdin.close()
+        end = process.wait(told.hear)
+    finally:
+        process.end()
+        told.close()
+    text = printed.read_text(encoding="utf-8", errors="replace")[: _ALLOWANCE.output]
+    return _End(end, told, text)
+
+
+def _outcome(plan: RunPlan, end: _End) -> Outcome:
+    """Return what the run tells of itself, or what is known of it."""
+    if end.told.said is not None:
+        return end.told.said
+    code, process = end.process.code, end.process
+    ended, reason = Ended.HUNG, "it was killed, or went on after it had been interrupted"
+    if process.surplus:
+        ended, reason = Ended.DIED, f"it was killed: {process.surplus}"
+    elif 0 <= code <= 128 and not process.timed_out:  # not by a signal
+        ended, reason = Ended.DIED, f"its process ended itself, exit code {code}"
+    script = Path(plan.folder, plan.script)
+    violations = tuple(end.told.violations)
+    return Outcome(
+        script, plan.generation, ended, reason, abs(code) or 1, policy_violations=violations
+    )
 
 
 def _empty(out: Path) -> None:

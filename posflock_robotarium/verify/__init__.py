@@ -150,6 +150,7 @@ def _verified(
         # Run it under the generation it was written for: there may be more to tell.
         generation = evidence_of(source.uses).generation
     with running.TrialRoom(source, generation, limits or running.Limits(), server) as room:
+        containment = room.containment
         runs = _run(room, asked)
     found = judge.judge(runs, known, asked.declared, source.counts_its_steps)
     # Runs name the file of every line; a finding does only where that is not the script.
@@ -157,9 +158,10 @@ def _verified(
     # What is written elsewhere is not the run's data.
     elsewhere = {f.line for f in found if f.code is Code.OUTSIDE_WRITE and not f.file}
     known = [f for f in known if f.code is not Code.SAVE_AT_END or f.line not in elsewhere]
-    return report_of(
+    report = report_of(
         script, [*known, *found], generation, profile, runs.ideal, runs.trials, asked.declared
     )
+    return replace(report, containment=containment)
 
 
 def _run(room: TrialRoom, asked: _Asked) -> judge.Runs:

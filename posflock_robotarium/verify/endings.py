@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -56,7 +57,7 @@ def judge_end(
     if ideal.ended in FATAL:
         finding = _ending(_End(ideal, Verdict.FAIL))
         waits = ideal.ended is Ended.HUNG and any(f.code is Code.BLOCKING_CALL for f in known)
-        if finding and not waits and not is_explained(ideal.error, known):
+        if finding and not waits and not is_explained(ideal.error, known) and not _refused(ideal):
             yield finding
         return
     if ideal.ended is Ended.OVER_TIME and not counted:
@@ -72,6 +73,13 @@ def judge_end(
         finding = _ending(_End(failed[0], Verdict.RISK, (len(failed), len(trials))))
         if finding:
             yield finding
+
+
+def _refused(outcome: Outcome) -> bool:
+    """Whether a run ended at a line that policy had stopped, whatever a library made of that."""
+    error = outcome.error
+    stopped = [v for v in outcome.policy_violations if v.line and _POLICIES[Code(v.kind)].stopped]
+    return error is not None and any((v.line, v.file) in error.lines for v in stopped)
 
 
 @dataclass(frozen=True)
@@ -151,6 +159,12 @@ def _failed(end: _End) -> Finding:
             return end.finding(Code.FILE_ENDING, message, advice)
         message = f"reads {missing}, which is not beside the script"
         return end.finding(Code.FILE_MISSING, message, "put it beside the script")
+    if error.number in (errno.EFBIG, errno.EDQUOT):
+        policy = _POLICIES[Code.DISK]
+        return end.finding(Code.DISK, f"{policy.words} ({what})", policy.advice)
+    if error.number == errno.EROFS:  # native code, which only namespaces have held
+        policy = _POLICIES[Code.OUTSIDE_WRITE]
+        return end.finding(Code.OUTSIDE_WRITE, f"{policy.words} ({what})", policy.advice)
     newer = newer_library(error.type, error.message)
     if newer:  # that is, only this machine refuses it
         return end.finding(Code.INTERNAL, f"could not be run: {newer}", REHEARSE, Verdict.RISK)
@@ -176,6 +190,8 @@ _POLICIES = {
     ),
     Code.FORK: _Policy("starts or ends other processes", "do the work in one process"),
     Code.NETWORK: _Policy("uses the network", "upload what it needs as files", Verdict.RISK),
+    Code.MEMORY: _Policy("needs more memory than the limit", "use smaller arrays"),
+    Code.DISK: _Policy("writes or prints more than the limit", "write less, or every tenth step"),
     Code.BLOCKING_CALL: _Policy(
         "waits for somebody, and on the testbed nobody is there", "remove it", stopped=False
     ),

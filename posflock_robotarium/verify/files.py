@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import PurePath
 
@@ -11,6 +12,8 @@ from posflock_robotarium.verify.findings import Code, Finding, Verdict
 from posflock_robotarium.verify.source import Source
 from rps_compat import testbed
 
+#: What numpy's and pandas' readers fetch from the network.
+_URL = re.compile(r"(?:https?|ftp)://", re.I)
 #: Exceptions whose handler is prepared for a file that is not there.
 _NO_FILE = {"FileNotFoundError", "OSError", "IOError", "Exception", "BaseException"}
 #: Functions that read a file whose path is their first argument.
@@ -63,7 +66,15 @@ def check_files(source: Source) -> Iterator[Finding]:
         if path in written or (call.args and not path):
             continue
         pure = PurePath(path)
-        if pure.is_absolute() or len(pure.parts) > 1:
+        if _URL.match(path):
+            yield Finding(
+                Code.NETWORK,
+                Verdict.RISK,
+                f"reads {path}, and the testbed has no network",
+                f"fetch it, put it beside the script and read {pure.name!r}",
+                line=line,
+            )
+        elif pure.is_absolute() or len(pure.parts) > 1:
             yield Finding(
                 Code.FILE_IN_FOLDER,
                 Verdict.FAIL,

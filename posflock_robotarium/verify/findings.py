@@ -85,6 +85,7 @@ class Code(WordEnum):
     HANG = "hang", "stops stepping"
     FORK = "fork", "starts other processes"
     MEMORY = "memory", "needs more memory than allowed"
+    DISK = "disk", "writes or prints more than allowed"
     OUTSIDE_WRITE = "outside-write", "writes outside its own folder"
     NETWORK = "network", "uses the network"
     INTERNAL = "internal", "the verifier itself could not do something"

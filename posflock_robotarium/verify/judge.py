@@ -65,10 +65,8 @@ def judge(
         Whether the loop counts its steps, so that a run that goes on is long, not endless.
     """
     ideal, trials = runs.ideal.outcome, [trial.outcome for trial in runs.trials]
-    found = [
-        *judge_end(ideal, trials, known, counted),
-        *judge_policy([runs.ideal, *runs.trials], known),
-    ]
+    found = list(judge_end(ideal, trials, known, counted))
+    found += judge_policy([runs.ideal, *runs.trials], [*known, *found])
     if ideal.steps:
         found += _robots(ideal, known)
         found += judge_collisions(ideal, trials)

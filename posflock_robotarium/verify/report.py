@@ -12,6 +12,7 @@ from posflock_robotarium.verify.findings import Finding, Verdict, verdict_of
 
 if TYPE_CHECKING:
     from posflock_robotarium.verify.trials import Ran
+    from rps_compat.containment.namespaces import Containment
     from rps_compat.running.outcome import Outcome
 
 #: Version of the format of ``verify.json``; see docs/verify.md.
@@ -42,6 +43,8 @@ class Report:
         Duration that will be declared, s.
     sha256 : str
         Sum of the script as it was verified, as a bundle's `MANIFEST` has it; empty where unknown.
+    containment : Containment, optional
+        What held the runs; None where nothing ran.
     """
 
     script: Path
@@ -53,6 +56,7 @@ class Report:
     trials: list[Ran] = field(default_factory=list)
     declared: float | None = None
     sha256: str = ""
+    containment: Containment | None = None
 
     @property
     def exit_code(self) -> int:
@@ -77,6 +81,7 @@ class Report:
             "generation": self.generation,
             "profile": self.profile,
             "declared": self.declared,
+            "containment": None if self.containment is None else self.containment.value,
             "findings": [finding.as_dict() for finding in self.findings],
             "figures": {} if figures is None else figures.as_dict(),
             "trials": [_row(ran.outcome) for ran in [self.ideal, *self.trials] if ran is not None],
@@ -113,7 +118,14 @@ def report_of(
     """
     ordered = sorted(findings, key=lambda finding: -finding.verdict)
     return Report(
-        script, verdict_of(ordered), ordered, generation, profile, ideal, list(trials), declared
+        script,
+        verdict_of(ordered),
+        ordered,
+        generation,
+        profile,
+        ideal,
+        list(trials),
+        declared,
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import asdict, dataclass
 
+from rps_compat.containment.usage import Allowance
 from rps_compat.running.plan import RunPlan
 
 
@@ -24,6 +25,8 @@ class Request:
         Seconds of computing without a step after which a trial is ended.
     seconds : float
         Seconds of computing after which a trial is ended.
+    allowance : Allowance
+        What else a trial may use.
     """
 
     plans: tuple[RunPlan, ...]
@@ -31,6 +34,7 @@ class Request:
     jobs: int
     stall: float
     seconds: float
+    allowance: Allowance
 
     def line(self) -> str:
         """Return the request as one line."""
@@ -47,4 +51,5 @@ class Request:
         """
         said = json.loads(line)
         plans = tuple(RunPlan.from_dict(plan) for plan in said.pop("plans"))
-        return cls(plans, tuple(said.pop("preload")), **said)
+        allowance = Allowance(**said.pop("allowance"))
+        return cls(plans, tuple(said.pop("preload")), **said, allowance=allowance)

@@ -71,9 +71,10 @@ def figure_lines(report: Report) -> list[tuple[str, str]]:
     report : Report
         What verify found, with the ideal run if there was one.
     """
+    held = [] if report.containment is None else [("held by", report.containment.about)]
     found = report.figures
     if found is None:
-        return []
+        return held
     least, median, most = testbed.INITIAL_DRIVE
     lines = [
         (
@@ -110,7 +111,7 @@ def figure_lines(report: Report) -> list[tuple[str, str]]:
                     f" (95 % interval {100 * low:.0f} to {100 * high:.0f} % of runs)",
                 )
             )
-    return lines
+    return [*lines, *held]
 
 
 def _declared(declared: float | None, longest: float) -> str:

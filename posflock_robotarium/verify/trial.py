@@ -8,40 +8,38 @@ and policy stops what it must not do.
 
 from __future__ import annotations
 
-import json
+import contextlib
 import os
 import sys
 from pathlib import Path
 
-from rps_compat.running.driver import drive
+from rps_compat.running.driver import Guests, drive
 from rps_compat.running.plan import RunPlan
-
-#: Files of the folder in which a trial is watched.
-OUTCOME, PRINTED = "outcome.json", "printed.txt"
+from rps_compat.running.watching import Teller
 
 
-def run_trial(plan: RunPlan) -> None:
-    """Run the trial in this process, which it uses up; leave its outcome where it is watched.
+def run_trial(plan: RunPlan, teller: Teller, printed: Path) -> None:
+    """Run the trial in this process, which it uses up, and tell its outcome.
 
     Parameters
     ----------
     plan : RunPlan
-        What is run, and where it is watched.
+        What is run.
+    teller : Teller
+        Who is told.
+    printed : Path
+        File for what the script prints.
     """
-    assert plan.watched is not None
-    watched = Path(plan.watched)
-    printed = os.open(watched / PRINTED, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+    output = os.open(printed, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_APPEND)
     for descriptor in (1, 2):
-        os.dup2(printed, descriptor)
+        os.dup2(output, descriptor)
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     sys.stdout = open(1, "w", buffering=1, errors="replace", closefd=False)  # noqa: SIM115
     sys.stderr = open(2, "w", buffering=1, errors="replace", closefd=False)  # noqa: SIM115
     try:
-        outcome = drive(plan)
-        part = watched / f"{OUTCOME}.part"
-        part.write_text(json.dumps(outcome.as_dict()))
-        os.replace(part, watched / OUTCOME)
+        teller.outcome(drive(plan, Guests(teller=teller)))
     finally:
-        sys.stdout.flush()
-        sys.stderr.flush()
+        for stream in (sys.stdout, sys.stderr):
+            with contextlib.suppress(OSError):  # it has printed more than it may
+                stream.flush()
         os._exit(0)

@@ -19,6 +19,17 @@ from posflock_robotarium.verify.files import files_read
 from posflock_robotarium.verify.request import Request
 from posflock_robotarium.verify.source import Source
 from rps_compat import testbed
+from rps_compat.containment.caches import lay_font_list
+from rps_compat.containment.keeper import ProcessOrder
+from rps_compat.containment.kept import KeptFolder, KeptProcess
+from rps_compat.containment.namespaces import (
+    Containment,
+    contained,
+    containment_here,
+    python_folders,
+)
+from rps_compat.containment.room import Room
+from rps_compat.containment.usage import Allowance
 from rps_compat.profiles import profile_to_dict
 from rps_compat.realism import Profile
 from rps_compat.running.outcome import Ended, Failure, Outcome
@@ -51,12 +62,15 @@ class Limits:
         Seconds of computing that a trial may take, and ten times that by the wall clock.
     memory : int
         Bytes that it may allocate.
+    disk : int
+        Bytes that its folder may hold.
     """
 
     jobs: int = max(1, os.cpu_count() or 1)
     stall: float = 20.0
     seconds: float = 300.0
-    memory: int = 2 << 30
+    memory: int = Allowance.memory
+    disk: int = Allowance.disk
 
 
 @dataclass
@@ -82,11 +96,20 @@ class Ran:
 class ForkServer:
     """The process that forks trials; use it in a ``with`` block to have several rooms share it.
 
-    It starts with the first request, and again should it have died.
+    It starts with the first request, and again should it have died, in a containment in which only
+    its own folder can be written.
+
+    Attributes
+    ----------
+    containment : Containment
+        What holds it.
     """
 
     def __init__(self) -> None:
-        self._process: subprocess.Popen[str] | None = None
+        self.containment = containment_here()
+        self._kept: KeptFolder | None = None
+        self._process: KeptProcess | None = None
+        self._shown: set[str] = set()
 
     def __enter__(self) -> ForkServer:
         return self
@@ -95,11 +118,20 @@ class ForkServer:
         self.close()
 
     def close(self) -> None:
-        """End the process."""
+        """End the process, and remove its folder."""
         if self._process is not None:
-            self._process.terminate()
-            self._process.communicate()
+            self._process.end()
             self._process = None
+        if self._kept is not None:
+            self._kept.close()
+            self._kept = None
+
+    @property
+    def folder(self) -> Path:
+        """Temporary folder in which trials may have theirs."""
+        if self._kept is None:
+            self._kept = KeptFolder("verify")
+        return self._kept.path
 
     def ask(self, request: Request) -> Iterator[Outcome]:
         """Yield the outcome of each trial when it is done.
@@ -109,11 +141,7 @@ class ForkServer:
         request : Request
             The trials, and what each may use.
         """
-        if self._process is None or self._process.poll() is not None:
-            self._process = self._start()
-        process = self._process
-        assert process.stdin is not None
-        assert process.stdout is not None
+        process = self._process_that_shows({path for plan in request.plans for path in plan.path})
         with contextlib.suppress(BrokenPipeError):
             process.stdin.write(request.line())
             process.stdin.flush()
@@ -122,24 +150,38 @@ class ForkServer:
                 return
             yield Outcome.from_dict(json.loads(line))
 
-    @staticmethod
-    def _start() -> subprocess.Popen[str]:
+    def _process_that_shows(self, folders: set[str]) -> KeptProcess:
+        """Return the process, one from which some folders can be read; start it where need be."""
+        running = self._process is not None and self._process.is_running()
+        if self._process is None or not running or not folders <= self._shown:
+            if self._process is not None:
+                self._process.end()
+            self._shown |= folders
+            self._process = self._start()
+        return self._process
+
+    def _start(self) -> KeptProcess:
+        fonts = self.folder / "matplotlib"
+        lay_font_list(Path(sys.executable), fonts)
         environment = os.environ | {
             "MPLBACKEND": "module://rps_compat.headless_backend",
+            "MPLCONFIGDIR": str(fonts),
             "OPENBLAS_NUM_THREADS": "1",
             "OMP_NUM_THREADS": "1",
             "PYTHONBREAKPOINT": "0",
             "PYTHONDONTWRITEBYTECODE": "1",
         }
-        return subprocess.Popen(
-            [sys.executable, "-m", "posflock_robotarium.verify.fork_server"],
+        # The current folder comes first on the path there, and is the user's here.
+        home = sys.prefix
+        readable = (*python_folders(sys.executable), *filter(None, sys.path), *self._shown)
+        room = Room((str(self.folder),), readable, home, as_init=True)
+        command = [sys.executable, "-m", "posflock_robotarium.verify.fork_server"]
+        return KeptProcess(
+            ProcessOrder(contained(self.containment, room, command)),
+            cwd=home,
+            env=environment,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            env=environment,
-            # The current folder comes first on the path there, and is the user's here.
-            cwd=sys.prefix,
-            text=True,
         )
 
 
@@ -164,17 +206,23 @@ class TrialRoom:
         self.source = source
         self.generation = generation
         self.limits = limits
-        self._folder = Path(tempfile.mkdtemp(prefix="posflock-verify-"))
         self._shared = server is not None
         self._server = server or ForkServer()
+        self._folder = Path(tempfile.mkdtemp(dir=self._server.folder))
 
     def __enter__(self) -> TrialRoom:
         return self
 
     def __exit__(self, *_: object) -> None:
-        if not self._shared:
+        if self._shared:
+            shutil.rmtree(self._folder, ignore_errors=True)
+        else:
             self._server.close()
-        shutil.rmtree(self._folder, ignore_errors=True)
+
+    @property
+    def containment(self) -> Containment:
+        """What holds the trials."""
+        return self._server.containment
 
     def plan(
         self,
@@ -200,9 +248,8 @@ class TrialRoom:
         **moments
             When it ends, as `RunPlan` has it: longest, interrupt_at, kill_at, only_start.
         """
-        scratch, watched = self._folder / name / "scratch", self._folder / name / "watched"
+        scratch = self._folder / name / "scratch"
         scratch.mkdir(parents=True)
-        watched.mkdir()
         lay_out(self.source, scratch)
         return RunPlan(
             script=os.path.join(os.path.realpath(scratch), self.source.path.name),
@@ -222,7 +269,7 @@ class TrialRoom:
             forbidden=(PolicyKind.OUTSIDE_WRITE, PolicyKind.FORK, PolicyKind.NETWORK),
             measures=True,
             memory=self.limits.memory,
-            watched=str(watched),
+            disk=self.limits.disk,
             **({"longest": testbed.MAX_DURATION} | moments),
         )
 
@@ -252,6 +299,7 @@ class TrialRoom:
             self.limits.jobs,
             self.limits.stall,
             self.limits.seconds,
+            Allowance(self.limits.memory, self.limits.disk),
         )
         found: dict[str, Outcome] = {}
         for outcome in self._server.ask(request):

@@ -4,9 +4,7 @@ import atexit
 import contextlib
 import json
 import os
-import shutil
 import sys
-import tempfile
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -17,6 +15,8 @@ from rps_compat.children.gathering import Children, gather, terminate
 from rps_compat.children.leftovers import Leftovers
 from rps_compat.children.plan import Plan
 from rps_compat.children.records import InstanceRecord, RobotariumInstance
+from rps_compat.containment.kept import KeptFolder
+from rps_compat.containment.processes import kill_users_of
 from rps_compat.install import import_path
 from rps_compat.own_imports import keep_apart
 from rps_compat.recording import Recording
@@ -51,7 +51,7 @@ class Family:
         self._above = names.Name(plan.within, plan.entropy, plan.identity)
         self._name: names.Name | None = self._above
         self._forks = 0
-        self._ended = False
+        self._ended = self._cut_short = False
         self._errors: list[BaseException] = []
 
     # --- The script's own process --------------------------------------------------------------
@@ -61,7 +61,8 @@ class Family:
         """Let what this process starts within the ``with`` block belong to the run."""
         global _active
         before, _active = _active, self
-        self._plan = replace(self._plan, room=tempfile.mkdtemp(prefix="posflock-run-"))
+        self._kept = KeptFolder("run")
+        self._plan = replace(self._plan, room=str(self._kept.path))
         environment = {name: os.environ.get(name) for name in ("PYTHONPATH", VARIABLE)}
         generation = import_path(self._plan.generation)
         folders = [str(generation.with_name("children")), str(generation)]
@@ -84,11 +85,14 @@ class Family:
     def end_children(self) -> None:
         """End and gather what runs in child processes: this process ends without its script."""
         terminate(self._room)
+        self._cut_short = True
         self._gather()
 
     def _gather(self) -> None:
         self.children = gather(self._room)
-        shutil.rmtree(self._room, ignore_errors=True)
+        if self._cut_short:
+            kill_users_of(self._plan.room)
+        self._kept.close()
 
     @property
     def _room(self) -> Path:
@@ -117,6 +121,7 @@ class Family:
             if self.is_home:
                 left.end()
                 terminate(self._room)
+                self._cut_short = True
             raise
         if self.is_home:
             left.wait_for()

@@ -30,21 +30,19 @@ from rps_compat.repeatable import repeatable
 from rps_compat.report import RunReport
 from rps_compat.run_folder import REPORT_DATA, REPORT_TEXT
 from rps_compat.running.ending import End, TimeLimit, end_of
-from rps_compat.running.limits import limit_memory
+from rps_compat.running.limits import limit_process
 from rps_compat.running.measures import RunMeasures
 from rps_compat.running.outcome import Ended, Outcome
 from rps_compat.running.plan import ClockPolicy, RunPlan
 from rps_compat.running.policy import Guard
 from rps_compat.running.schedule import Schedule
+from rps_compat.running.watching import Teller
 from rps_compat.scripts.changes import Kind
 from rps_compat.session import Session
 from rps_compat.surroundings import answering, headless_matplotlib
 from rps_compat.terminal import showable_output
 from rps_compat.testbed import MAX_DURATION
 from rps_compat.whole_files import write_whole
-
-#: File of a watched run's folder that tells at once what policy it violated.
-VIOLATIONS = "violations.jsonl"
 
 
 @dataclass(frozen=True)
@@ -64,6 +62,8 @@ class Guests:
         must end the process. None lets such a script run on.
     notes
         What is known of the script before it runs.
+    teller
+        Tells whoever watches from another process how far the run is, and what policy it violates.
     """
 
     recorder: OpenRecorder | None = None
@@ -71,6 +71,7 @@ class Guests:
     advise: Callable[[Exception], str | None] | None = None
     end_process: Callable[[Outcome], NoReturn] | None = None
     notes: tuple[str, ...] = ()
+    teller: Teller | None = None
 
 
 def drive(plan: RunPlan, guests: Guests | None = None) -> Outcome:
@@ -108,7 +109,7 @@ class _Run:
             SimulatedClock(charge=True) if charged else SimulatedClock(longest_wait=MAX_DURATION)
         )
         self.measures = RunMeasures(self.clock) if plan.measures else None
-        self.schedule = Schedule(plan, self._seconds)
+        self.schedule = Schedule(plan, self._seconds, guests.teller)
         self.profile = None
         if plan.profile is not None:
             from rps_compat.profiles import profile_from_dict
@@ -121,11 +122,11 @@ class _Run:
         self.session = self._session()
         self.family = Family(self._plan_of_children(), self.session, self.recording)
         self.guard = Guard(
-            str(self.script.parent),
+            (str(self.script.parent), *plan.writable),
             self._time,
             plan.forbidden,
             plan.forbidden_to_libraries,
-            None if plan.watched is None else Path(plan.watched) / VIOLATIONS,
+            None if guests.teller is None else guests.teller.violation,
         )
 
     # --- What watches ---------------------------------------------------------------------------
@@ -144,7 +145,7 @@ class _Run:
             "generation": plan.generation,
             "seed": plan.script_seed,
         }
-        scheduled = (plan.longest, plan.interrupt_at, plan.kill_at, plan.watched)
+        scheduled = (plan.longest, plan.interrupt_at, plan.kill_at, self.guests.teller)
         listeners = [] if self.measures is None else [self.measures.step]
         if plan.measures or any(item is not None for item in scheduled):
             listeners.append(schedule.step)
@@ -233,8 +234,7 @@ class _Run:
             bridge(around, *(Kind(kind) for kind in plan.bridges))
         if plan.measures:
             around.enter_context(self.schedule.listening())
-        if plan.memory is not None:
-            limit_memory(plan.memory)
+        limit_process(plan.memory, plan.disk)
         if plan.clock is not ClockPolicy.REAL:
             around.enter_context(self.clock.in_force())
         if plan.draws_on_demand:

@@ -148,7 +148,8 @@ def _exit_of(left: SystemExit, script: Path) -> End:
     if isinstance(left.code, int):
         reason = f"the script left with exit code {left.code}"
         return End(Ended.FAILED, reason, left.code, what)
-    print(left.code, file=sys.stderr)
+    with contextlib.suppress(OSError):  # nobody takes it: the disk is full, or the reader gone
+        print(left.code, file=sys.stderr)
     return End.of(Ended.FAILED, str(left.code), what)
 
 
@@ -156,7 +157,8 @@ def _print_traceback(error: BaseException, script: Path) -> None:
     frames = error.__traceback__
     while frames is not None and script.parent / frames.tb_frame.f_code.co_filename != script:
         frames = frames.tb_next
-    traceback.print_exception(type(error), error, frames or error.__traceback__)
+    with contextlib.suppress(OSError):
+        traceback.print_exception(type(error), error, frames or error.__traceback__)
 
 
 def lasting_threads(before: set[threading.Thread]) -> list[threading.Thread]:

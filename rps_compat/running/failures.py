@@ -40,6 +40,7 @@ def failure_of(error: BaseException, home: Path) -> Failure:
         lines=tuple((number, name) for number, name in lines if number),
         missing=_missing_file(error, home),
         module=error.name if isinstance(error, ModuleNotFoundError) else None,
+        number=error.errno if isinstance(error, OSError) else None,
     )
 
 

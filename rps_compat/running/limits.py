@@ -6,34 +6,45 @@ import contextlib
 import mmap
 import signal
 
-#: Bytes that any one file may have.
-_FILE = 1 << 30
 
-
-def limit_memory(amount: int) -> None:
+def limit_process(memory: int | None, file: int | None) -> None:
     """Limit what this process may allocate beyond what it has now, and what it may write.
 
-    Systems without such limits have none.
+    No process can raise its limits again. Systems without such limits have none.
 
     Parameters
     ----------
-    amount : int
-        Bytes.
+    memory : int or None
+        Bytes; None limits nothing.
+    file : int or None
+        Bytes that any one file may have; None limits nothing.
     """
     try:
         import resource
     except ImportError:
         return
+    if memory is not None:
+        _set(resource.RLIMIT_AS, _allocated() + memory)
+    if file is not None:
+        _set(resource.RLIMIT_FSIZE, file)
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # then writing raises an OSError
+    if memory is not None or file is not None:
+        _set(resource.RLIMIT_CORE, 0)
+
+
+def _set(kind: int, most: int) -> None:
+    import resource
+
+    with contextlib.suppress(ValueError, OSError):
+        before = resource.getrlimit(kind)[1]
+        allowed = most if before == resource.RLIM_INFINITY else min(most, before)
+        resource.setrlimit(kind, (allowed, allowed))
+
+
+def _allocated() -> int:
+    """Return the bytes of address space that this process has."""
     try:
         with open("/proc/self/statm") as file:
-            used = int(file.read().split()[0]) * mmap.PAGESIZE
+            return int(file.read().split()[0]) * mmap.PAGESIZE
     except OSError:
-        used = 1 << 30
-    for kind, most in (
-        (resource.RLIMIT_AS, used + amount),
-        (resource.RLIMIT_FSIZE, _FILE),
-        (resource.RLIMIT_CORE, 0),
-    ):
-        with contextlib.suppress(ValueError, OSError):
-            resource.setrlimit(kind, (most, resource.getrlimit(kind)[1]))
-    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        return 1 << 30

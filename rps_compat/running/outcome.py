@@ -83,6 +83,8 @@ class Failure:
         File beside the script that was to be read and is not there; empty if that was not it.
     module
         Module that could not be imported; None if that was not it.
+    number
+        Of the system's error (``errno``); None where it was none.
     """
 
     type: str = ""
@@ -94,6 +96,7 @@ class Failure:
     lines: tuple[tuple[int, str], ...] = ()
     missing: str = ""
     module: str | None = None
+    number: int | None = None
 
     def __str__(self) -> str:
         return f"{self.type}: {self.message}".strip(": ")

@@ -88,15 +88,16 @@ class RunPlan:
         exception.
     memory : int, optional
         Bytes that the process may allocate from now on.
+    disk : int, optional
+        Bytes that one file may have.
     out : str, optional
         Folder for what the run leaves; None leaves nothing.
     snapshots : tuple of float
         Times of the run in seconds at which the figure is saved.
     video : str, optional
         File to film to.
-    watched : str, optional
-        Folder in which the run says, step by step, how far it is, and at once what policy it
-        violates: for whoever watches from another process.
+    writable : tuple of str
+        Folders besides `folder` in which policy lets it write.
     """
 
     script: str
@@ -127,10 +128,11 @@ class RunPlan:
     only_start: bool = False
     kills_deaf: bool = False
     memory: int | None = None
+    disk: int | None = None
     out: str | None = None
     snapshots: tuple[float, ...] = ()
     video: str | None = None
-    watched: str | None = None
+    writable: tuple[str, ...] = ()
 
     def text(self) -> str:
         """Return the plan as JSON."""

@@ -1,67 +1,45 @@
 """Policy: what a script must not do is stopped where it happens, and reported with the line.
 
 An audit hook hears of writing outside the scratch folder, of starting processes and of using the
-network.  That is a net for mistakes, not a sandbox: native code passes it.
+network.  That names mistakes with their line, and is no sandbox: native code passes it. What holds
+that is `rps_compat.containment`, where the system admits it.
 """
 
 from __future__ import annotations
 
 import contextlib
-import json
+import errno
 import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict
-from pathlib import Path
 from types import FrameType
 from typing import Any
 
 from rps_compat.errors import RobotariumError
+from rps_compat.running.audit_events import NETWORK, PROCESSES, called, paths_written
 from rps_compat.running.failures import file_in
 from rps_compat.running.policy_violations import PolicyKind, PolicyViolation
+from rps_compat.running.watching import MOST_VIOLATIONS
 
-_WRITE_FLAGS = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_TRUNC
-_PATH_EVENTS = frozenset(
-    [
-        "os.remove",
-        "os.rename",
-        "os.mkdir",
-        "os.rmdir",
-        "os.link",
-        "os.symlink",
-        "os.chmod",
-        "os.truncate",
-        "os.chown",
-        "shutil.rmtree",
-    ]
+#: Where anybody may write: nothing comes of it but what is printed.
+_HARMLESS = frozenset(
+    ["/dev/null", "/dev/zero", "/dev/full", "/dev/tty", "/dev/stdout", "/dev/stderr"]
 )
-_PROCESS_EVENTS = frozenset(
-    [
-        "subprocess.Popen",
-        "os.system",
-        "os.fork",
-        "os.forkpty",
-        "os.posix_spawn",
-        "os.exec",
-        "os.spawn",
-        "pty.spawn",
-    ]
-)
-_NETWORK_EVENTS = frozenset(
-    ["socket.connect", "socket.getaddrinfo", "socket.sendto", "socket.bind"]
-)
-
-
 _NO = {
     PolicyKind.OUTSIDE_WRITE: "a script may write in its own folder only",
     PolicyKind.FORK: "a script may not start or end processes",
     PolicyKind.NETWORK: "there is no network",
 }
+#: File of the frames that import a module.
+_IMPORTING = "<frozen importlib._bootstrap>"
 _is_hooked = False
 
 
 class ForbiddenError(RobotariumError, PermissionError):
     """The script tried what it must not do; the violation is on record."""
+
+    def __str__(self) -> str:
+        return str(self.strerror)
 
 
 class Guard:
@@ -69,40 +47,40 @@ class Guard:
 
     Parameters
     ----------
-    scratch : str
-        The script's folder, in which it may write.
+    writable : sequence of str
+        Folders in which it may write, without symbolic links; the script's own comes first.
     time : function
         Returns the seconds of the run.
     forbidden : sequence of PolicyKind
         What is forbidden.
     to_libraries : bool
         Whether processes and the network are forbidden to libraries, too.
-    record : path, optional
-        File that keeps the record, a line of JSON each, for another process.
+    tell : callable, optional
+        Is told of each violation at once.
 
     Attributes
     ----------
     violations : list of PolicyViolation
-        What was done.
+        What was done, each line of the script's once.
     """
 
     active: Guard | None = None
 
     def __init__(
         self,
-        scratch: str,
+        writable: Sequence[str],
         time: Callable[[], float],
         forbidden: Sequence[PolicyKind],
         to_libraries: bool = False,
-        record: Path | None = None,
+        tell: Callable[[PolicyViolation], None] | None = None,
     ) -> None:
-        self.scratch = scratch
+        self.scratch = writable[0]
         self.time = time
         self.forbidden = frozenset(forbidden)
         self.to_libraries = to_libraries
         self.violations: list[PolicyViolation] = []
-        flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND
-        self._record = None if record is None else os.open(record, flags)
+        self._writable = tuple(writable)
+        self._tell = tell
 
     @contextlib.contextmanager
     def on_duty(self) -> Iterator[None]:
@@ -117,19 +95,19 @@ class Guard:
         finally:
             Guard.active = before
 
-    def allows(self, path: Any) -> bool:
+    def allows(self, path: str) -> bool:
         """Whether the script may write there.
 
         Parameters
         ----------
-        path : path, int or None
-            Where; a number is a descriptor that is open already.
+        path : str
+            Where.
         """
-        if isinstance(path, int) or path is None:
+        where = os.path.realpath(path)
+        if path in _HARMLESS or where in _HARMLESS:
             return True
-        where = os.path.realpath(os.fsdecode(path))
-        return where == self.scratch or where.startswith(
-            (self.scratch + os.sep, "/dev/", "/proc/self/")
+        return any(
+            where == folder or where.startswith(folder + os.sep) for folder in self._writable
         )
 
     def record(self, kind: PolicyKind, what: str) -> None:
@@ -143,10 +121,13 @@ class Guard:
             What it did, in words.
         """
         line, file = self.blame()
+        known = any((old.kind, old.line, old.file) == (kind, line, file) for old in self.violations)
+        if known or len(self.violations) >= MOST_VIOLATIONS:
+            return
         violation = PolicyViolation(kind, what, line, file, self.time())
         self.violations.append(violation)
-        if self._record is not None:
-            os.write(self._record, (json.dumps(asdict(violation)) + "\n").encode())
+        if self._tell is not None:
+            self._tell(violation)
 
     def asked(self) -> None:
         """Be told that the script asks somebody: nobody is there, which goes on record."""
@@ -163,52 +144,41 @@ class Guard:
         return None, ""
 
     def is_the_scripts(self) -> bool:
-        """Whether the script asks, not a library that has its own reasons and may have them."""
+        """Whether the script asks, if by a library, and no library that is just being imported.
+
+        What a library does when it is imported has its own reasons, and may have them.
+        """
         if self.to_libraries:
             return True
         frame: FrameType | None = sys._getframe(2)
         while frame is not None:
             name = frame.f_code.co_filename
+            if name == _IMPORTING:
+                return False
             if file_in(self.scratch, name):
                 return True
-            if "site-packages" in name or "dist-packages" in name:
-                return False
             frame = frame.f_back
-        return False
+        return True  # in a thread that runs a library's function for the script
 
 
 def _audit(event: str, arguments: tuple[Any, ...]) -> None:
     guard = Guard.active
     if guard is None:
         return
-    if event == "open" and PolicyKind.OUTSIDE_WRITE in guard.forbidden:
-        path, mode, flags = arguments[0], arguments[1], arguments[2]
-        if isinstance(mode, str):
-            writes = any(letter in mode for letter in "wax+")
-        else:
-            writes = isinstance(flags, int) and bool(flags & _WRITE_FLAGS)
-        if writes and not guard.allows(path):
-            _refuse(guard, PolicyKind.OUTSIDE_WRITE, os.fsdecode(path))
-    elif event in _PATH_EVENTS and PolicyKind.OUTSIDE_WRITE in guard.forbidden:
-        for path in arguments[:2]:
-            if isinstance(path, (str, bytes, os.PathLike)) and not guard.allows(path):
-                _refuse(guard, PolicyKind.OUTSIDE_WRITE, os.fsdecode(path))
-    elif event in _PROCESS_EVENTS and PolicyKind.FORK in guard.forbidden and guard.is_the_scripts():
-        _refuse(guard, PolicyKind.FORK, " ".join(str(a) for a in arguments[:2]) or event)
-    elif (
-        event in _NETWORK_EVENTS
-        and PolicyKind.NETWORK in guard.forbidden
-        and guard.is_the_scripts()
-    ):
-        _refuse(guard, PolicyKind.NETWORK, _address(event, arguments))
-    elif event == "os.kill" and PolicyKind.FORK in guard.forbidden and arguments[0] != os.getpid():
-        _refuse(guard, PolicyKind.FORK, f"kill {arguments[0]}")
-
-
-def _address(event: str, arguments: tuple[Any, ...]) -> str:
-    """Return whom a network event is about; sockets come first where there are any."""
-    about = arguments[:2] if event == "socket.getaddrinfo" else arguments[1:]
-    return " ".join(str(part) for part in about) or event
+    if PolicyKind.OUTSIDE_WRITE in guard.forbidden:
+        for path in paths_written(event, arguments):
+            if not guard.allows(path):
+                _refuse(guard, PolicyKind.OUTSIDE_WRITE, path)
+    if event in PROCESSES and PolicyKind.FORK in guard.forbidden:
+        if guard.is_the_scripts():
+            _refuse(guard, PolicyKind.FORK, " ".join(str(a) for a in arguments[:2]) or event)
+    elif event == "os.kill" and PolicyKind.FORK in guard.forbidden:
+        if arguments[0] != os.getpid():
+            _refuse(guard, PolicyKind.FORK, f"kill {arguments[0]}")
+    elif event in NETWORK and PolicyKind.NETWORK in guard.forbidden:
+        whom = called(event, arguments)
+        if whom is not None and guard.is_the_scripts():
+            _refuse(guard, PolicyKind.NETWORK, whom)
 
 
 def _refuse(guard: Guard, kind: PolicyKind, what: str) -> None:
@@ -217,4 +187,4 @@ def _refuse(guard: Guard, kind: PolicyKind, what: str) -> None:
         guard.record(kind, what)
     finally:
         Guard.active = guard
-    raise ForbiddenError(f"{_NO[kind]}: {what}")
+    raise ForbiddenError(errno.EPERM, f"{_NO[kind]}: {what}")

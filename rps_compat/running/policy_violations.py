@@ -9,12 +9,18 @@ from barrier_certificates.word_enum import WordEnum
 
 
 class PolicyKind(WordEnum):
-    """What policy may forbid a script, and `BLOCKING_CALL`, which it only takes note of."""
+    """What policy may forbid a script.
+
+    `BLOCKING_CALL` it only takes note of; of `MEMORY` and `DISK` there may be too much, as whoever
+    watches from outside finds.
+    """
 
     OUTSIDE_WRITE = "outside-write"
     FORK = "fork"
     NETWORK = "network"
     BLOCKING_CALL = "blocking-call"
+    MEMORY = "memory"
+    DISK = "disk"
 
 
 @dataclass(frozen=True)

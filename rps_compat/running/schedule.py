@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import contextlib
-import mmap
 import os
 import signal
-import struct
 from collections.abc import Callable, Iterator
 from importlib import import_module
-from pathlib import Path
 from typing import Any, NoReturn
 
 from barrier_certificates.ties import reached
 from rps_compat.arena import Arena
-from rps_compat.clock import real
 from rps_compat.running.plan import RunPlan
+from rps_compat.running.watching import Teller
 
-_PULSE = struct.Struct("qddd")
 #: How often a script whose time is over gets a KeyboardInterrupt before it is ended.
 _PATIENCE = 10
 
@@ -35,6 +31,8 @@ class Schedule:
         What is to happen when.
     seconds
         Returns the seconds of the run by the clock.
+    teller
+        Tells whoever watches how far the run is.
 
     Attributes
     ----------
@@ -52,13 +50,15 @@ class Schedule:
         Whether it called what a script of its generation is to call at its end.
     """
 
-    def __init__(self, plan: RunPlan, seconds: Callable[[], float]) -> None:
+    def __init__(
+        self, plan: RunPlan, seconds: Callable[[], float], teller: Teller | None = None
+    ) -> None:
         self.plan = plan
         self.steps, self.time = 0, 0.0
         self.interrupted = self.over_time = self.seen_enough = self.finished = False
         self._seconds = seconds
         self._refusals = 0
-        self._pulse = None if plan.watched is None else open_pulse(Path(plan.watched))
+        self._teller = teller
 
     def step(self, time: float, arena: Arena) -> None:
         """Take note of a step, and end the run if it is time.
@@ -80,9 +80,8 @@ class Schedule:
         plan = self.plan
         self.steps += 1
         self.time = time
-        if self._pulse is not None:
-            pulse = _PULSE.pack(self.steps, time, real.time(), real.process_time())
-            self._pulse[: _PULSE.size] = pulse
+        if self._teller is not None:
+            self._teller.step(self.steps, time)
         if plan.kill_at is not None and reached(time, plan.kill_at):
             os.kill(os.getpid(), signal.SIGKILL)
         due = plan.interrupt_at is not None and reached(time, plan.interrupt_at)
@@ -128,28 +127,3 @@ class Schedule:
                     delattr(kind, name)
                 else:
                     setattr(kind, name, own)
-
-
-def open_pulse(folder: Path) -> mmap.mmap:
-    """Open the few shared bytes in which a run says how far it is.
-
-    Parameters
-    ----------
-    folder : Path
-        Where the file lies.
-    """
-    with open(folder / "pulse", "a+b") as file:
-        file.truncate(mmap.PAGESIZE)
-        return mmap.mmap(file.fileno(), mmap.PAGESIZE)
-
-
-def read_pulse(pulse: mmap.mmap) -> tuple[int, float, float, float]:
-    """Return steps done, seconds of the run, and wall clock and CPU time of the last step.
-
-    Parameters
-    ----------
-    pulse : mmap
-        What `open_pulse` opened.
-    """
-    steps, time, wall, cpu = _PULSE.unpack(pulse[: _PULSE.size])
-    return int(steps), float(time), float(wall), float(cpu)

@@ -1,0 +1,17 @@
+"""Careless: copies its result where it wants it."""
+import os
+import shutil
+
+import numpy as np
+from rps.robotarium import Robotarium
+
+OUTSIDE = os.environ["HOSTILE_OUTSIDE"]
+VICTIM = os.path.join(OUTSIDE, "victim.txt")
+open("mine.txt", "w").write("mine")
+shutil.copy("mine.txt", os.path.join(OUTSIDE, "mine.txt"))  # <- outside-write
+
+r = Robotarium(number_of_robots=1, initial_conditions=np.zeros((3, 1)))
+for _ in range(3):
+    r.get_poses()
+    r.step()
+r.debug()

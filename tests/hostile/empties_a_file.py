@@ -1,0 +1,15 @@
+"""Hostile: empties a file by its path."""
+import os
+
+import numpy as np
+from rps.robotarium import Robotarium
+
+OUTSIDE = os.environ["HOSTILE_OUTSIDE"]
+VICTIM = os.path.join(OUTSIDE, "victim.txt")
+os.truncate(VICTIM, 0)  # <- outside-write
+
+r = Robotarium(number_of_robots=1, initial_conditions=np.zeros((3, 1)))
+for _ in range(3):
+    r.get_poses()
+    r.step()
+r.debug()

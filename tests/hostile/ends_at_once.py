@@ -1,0 +1,13 @@
+"""Careless: ends its process where an exception would do."""
+import os
+
+import numpy as np
+from rps.robotarium import Robotarium
+
+os._exit(0)  # <~ crash
+
+r = Robotarium(number_of_robots=1, initial_conditions=np.zeros((3, 1)))
+for _ in range(3):
+    r.get_poses()
+    r.step()
+r.debug()

@@ -1,0 +1,15 @@
+"""Hostile: makes a file of somebody's its own, to write to it later."""
+import os
+
+import numpy as np
+from rps.robotarium import Robotarium
+
+OUTSIDE = os.environ["HOSTILE_OUTSIDE"]
+VICTIM = os.path.join(OUTSIDE, "victim.txt")
+os.link(VICTIM, "mine.txt")  # <- outside-write
+
+r = Robotarium(number_of_robots=1, initial_conditions=np.zeros((3, 1)))
+for _ in range(3):
+    r.get_poses()
+    r.step()
+r.debug()

@@ -1,0 +1,16 @@
+"""Careless: moves its result where it wants it."""
+import os
+
+import numpy as np
+from rps.robotarium import Robotarium
+
+OUTSIDE = os.environ["HOSTILE_OUTSIDE"]
+VICTIM = os.path.join(OUTSIDE, "victim.txt")
+open("mine.txt", "w").write("mine")
+os.rename("mine.txt", os.path.join(OUTSIDE, "mine.txt"))  # <- outside-write
+
+r = Robotarium(number_of_robots=1, initial_conditions=np.zeros((3, 1)))
+for _ in range(3):
+    r.get_poses()
+    r.step()
+r.debug()

@@ -1,0 +1,15 @@
+"""Opens a file relative to an open folder."""
+import os
+
+import numpy as np
+from rps.robotarium import Robotarium
+
+OUTSIDE = os.environ["HOSTILE_OUTSIDE"]
+VICTIM = os.path.join(OUTSIDE, "victim.txt")
+os.open("native.txt", os.O_WRONLY | os.O_CREAT, dir_fd=os.open(OUTSIDE, os.O_RDONLY))
+
+r = Robotarium(number_of_robots=1, initial_conditions=np.zeros((3, 1)))
+for _ in range(3):
+    r.get_poses()
+    r.step()
+r.debug()
