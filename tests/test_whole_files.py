@@ -203,6 +203,8 @@ def writes(call):
         if ast.unparse(call.func) == "os.open":
             return "os.O_RDONLY" not in ast.unparse(call)
         return any(set(mode) & set("wax+") for mode in modes)
+    if name == "savefig":  # into memory, where the format must be said
+        return not any(keyword.arg == "format" for keyword in call.keywords)
     of_numpy = isinstance(call.func, ast.Attribute) and ast.unparse(call.func.value) == "np"
     return name in WRITERS or (name == "save" and of_numpy)
 
