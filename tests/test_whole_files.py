@@ -176,15 +176,15 @@ OTHERWISE = {
     "posflock_robotarium/flocking/pose_log.py": "its own draft and move; goes to the testbed",
     "posflock_robotarium/sweep/store.py": "segments are appended to",
     "posflock_robotarium/submission/private_simulator.py": "a room that ends with its process",
-    "posflock_robotarium/submission/rehearsal_launcher.py": "a room that ends with its process",
     "posflock_robotarium/submission/rehearse.py": "a room that ends with its process",
     "posflock_robotarium/verify/fork_server.py": "a room that ends with its process",
     "posflock_robotarium/verify/trial.py": "a room that ends with its process",
     "posflock_robotarium/verify/trials.py": "a room that ends with its process",
+    "rps_compat/containment/caches.py": "a room that ends with its process",
+    "rps_compat/containment/entering.py": "a view of the system that ends with its process",
     "rps_compat/children/family.py": "a room that ends with its process",
     "rps_compat/children/names.py": "a room that ends with its process",
     "rps_compat/children/records.py": "a room that ends with its process",
-    "rps_compat/running/policy.py": "a room that ends with its process",
     "rps_compat/surroundings.py": "a stream that is open already",
 }
 WAYS = {"atomic_write", "written_together", "atomic_folder"}
@@ -201,7 +201,10 @@ def writes(call):
         words = [node.value for node in ast.walk(call) if isinstance(node, ast.Constant)]
         modes = [w for w in words if isinstance(w, str) and set(w) <= set("rwaxbt+") and w]
         if ast.unparse(call.func) == "os.open":
-            return "os.O_RDONLY" not in ast.unparse(call)
+            return not any(
+                harmless in ast.unparse(call)
+                for harmless in ("os.O_RDONLY", "os.O_PATH", "os.devnull")
+            )
         return any(set(mode) & set("wax+") for mode in modes)
     if name == "savefig":  # into memory, where the format must be said
         return not any(keyword.arg == "format" for keyword in call.keywords)
