@@ -171,13 +171,11 @@ def test_a_folder_that_a_kill_caught_between_two_names_comes_back(tmp_path):
 #: Files whose writes are not whole or absent, and why they need not be.
 OTHERWISE = {
     "rps_compat/whole_files.py": "it is the way",
-    "rps_compat/running/schedule.py": "a room that ends with its process",
     "posflock_robotarium/flocking/row_file.py": "each row outlives a kill; goes to the testbed",
     "posflock_robotarium/flocking/pose_log.py": "its own draft and move; goes to the testbed",
     "posflock_robotarium/sweep/store.py": "segments are appended to",
     "posflock_robotarium/submission/private_simulator.py": "a room that ends with its process",
     "posflock_robotarium/submission/rehearse.py": "a room that ends with its process",
-    "posflock_robotarium/verify/fork_server.py": "a room that ends with its process",
     "posflock_robotarium/verify/trial.py": "a room that ends with its process",
     "posflock_robotarium/verify/trials.py": "a room that ends with its process",
     "rps_compat/containment/caches.py": "a room that ends with its process",
