@@ -1,5 +1,6 @@
 """Pictures of a run while it runs: snapshots at given times, and a video."""
 
+import io
 import math
 from collections.abc import Sequence
 from contextlib import ExitStack
@@ -8,7 +9,7 @@ from typing import Any
 
 from barrier_certificates.ties import reached
 from rps_compat.errors import RobotariumError
-from rps_compat.whole_files import atomic_write
+from rps_compat.whole_files import atomic_write, write_whole
 
 #: Frames per second of the run, and of the film: it plays in real time.
 FRAMES = {".mp4": 20, ".gif": 10}
@@ -92,8 +93,9 @@ class Film:
     def _snapshot(self, instance: Any, time: float) -> None:
         name = "end" if math.isinf(time) else f"{time:g}s"
         path = self._folder / f"snapshot-{name}.png"
-        with atomic_write(path) as draft:
-            figure_of(instance).savefig(draft)
+        drawn = io.BytesIO()  # where a disk is full, matplotlib says something else
+        figure_of(instance).savefig(drawn, format="png")
+        write_whole(path, drawn.getvalue())
         self.files.append(path)
 
 

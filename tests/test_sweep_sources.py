@@ -279,6 +279,10 @@ def test_the_command_says_what_it_left_out(own, monkeypatch):
     assert "1 torn line in" in again.stdout
     for user in ("study", "execution"):
         monkeypatch.setattr(f"posflock_robotarium.sweep.{user}.code_of", lambda *_: "other")
+    # In this process, the one whose code is another.
+    monkeypatch.setattr(
+        "posflock_robotarium.sweep.execution.in_processes", lambda workers: locally(1)
+    )
     edited = CliRunner().invoke(app, command, catch_exceptions=False)
     assert "4 runs computed, 0 found" in edited.stdout
     assert "4 runs in" in edited.output

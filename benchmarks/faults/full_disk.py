@@ -286,14 +286,12 @@ def inside(options: argparse.Namespace) -> int:
                     continue
                 full, found = tried(command, disk, work, options.steps)
                 counts[command.name] = full
-                wrong += [f"{command.name}, {fault}" for fault in found]
-                print(f"{command.name:14} full {full} of {options.steps} times, wrong {len(found)}",
-                      flush=True)  # fmt: skip
+                wrong += found
+                line = f"full {full} of {options.steps} times, wrong {len(found)}"
+                print(f"{command.name:14} {line}", *found[:8], sep="\n    ", flush=True)
         finally:
             subprocess.run(["umount", str(disk)], check=True)
     print(f"{counts.total()} full disks in {time.perf_counter() - begun:.0f} s")
-    for line in wrong[:40]:
-        print(line)
     print(f"wrong: {len(wrong)}, at most 0")
     return 1 if wrong else 0
 

@@ -9,11 +9,12 @@ printer.
 from __future__ import annotations
 
 import functools
+import io
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
-from rps_compat.whole_files import written_together
+from rps_compat.whole_files import write_whole, written_together
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -74,11 +75,15 @@ def save(figure: Figure, folder: Path, name: str) -> list[Path]:
         Where the files cannot be written.
     """
     paths = [folder / f"{name}.png", folder / f"{name}.pdf"]
-    # No dates inside: the same run gives the same bytes.
+    # Drawn in memory: where a disk is full, matplotlib says something else. No dates inside: the
+    # same run gives the same bytes.
+    png, pdf = io.BytesIO(), io.BytesIO()
+    figure.savefig(png, format="png", dpi=200, metadata={"Software": None})
+    figure.set_layout_engine("none")  # laid out once, and the same in both
+    figure.savefig(pdf, format="pdf", metadata={"CreationDate": None, "Producer": None})
     with written_together(folder) as draft:
-        figure.savefig(draft / paths[0].name, dpi=200, metadata={"Software": None})
-        figure.set_layout_engine("none")  # laid out once, and the same in both
-        figure.savefig(draft / paths[1].name, metadata={"CreationDate": None, "Producer": None})
+        for path, drawn in zip(paths, (png, pdf), strict=True):
+            write_whole(draft / path.name, drawn.getvalue())
     return paths
 
 

@@ -24,6 +24,7 @@ from pathlib import Path
 from types import FrameType
 from typing import NoReturn
 
+from barrier_certificates.certificate_errors import OutputError
 from rps_compat.clock import Stuck, real
 from rps_compat.errors import ScriptError
 from rps_compat.last_resort import last_resort
@@ -135,7 +136,10 @@ def end_of(
 
 
 def _failed(error: BaseException, script: Path) -> End:
-    _print_traceback(error, script)
+    if isinstance(error, OutputError):  # the disk's fault, at whatever line of the script
+        print(f"{script.name}: {error}", file=sys.stderr)
+    else:
+        _print_traceback(error, script)
     ended = Ended.OUT_OF_MEMORY if isinstance(error, MemoryError) else Ended.FAILED
     reason = f"{type(error).__name__}: {error}"
     return End.of(ended, reason, failure_of(error, script.parent))
