@@ -46,5 +46,10 @@ def fork_server() -> "Iterator[ForkServer]":
 @pytest.fixture
 def shared_trials(fork_server: "ForkServer", monkeypatch: pytest.MonkeyPatch) -> None:
     """Let commands run their trials in the shared process instead of one each."""
-    kept = SimpleNamespace(ask=fork_server.ask, close=lambda: None)
+    kept = SimpleNamespace(
+        ask=fork_server.ask,
+        close=lambda: None,
+        folder=fork_server.folder,
+        containment=fork_server.containment,
+    )
     monkeypatch.setattr("posflock_robotarium.verify.trials.ForkServer", lambda: kept)

@@ -14,13 +14,8 @@ import secrets
 import shutil
 import time
 from pathlib import Path
-from types import ModuleType
 
-locks: ModuleType | None
-try:
-    import fcntl as locks
-except ImportError:  # Windows, where nothing is swept
-    locks = None
+from barrier_certificates.file_lock import locks
 
 #: What temporary folders are called, and nothing that anybody would make by hand.
 _NAME = re.compile(r"posflock-[a-z]+-[0-9a-f]{16}")
@@ -67,7 +62,7 @@ def sweep(place: Path, young: float = _YOUNG) -> None:
     young : float
         Seconds of age below which a folder is left alone.
     """
-    if locks is None:
+    if locks is None:  # Windows: what is in use is not known there
         return
     for folder in [path for path in place.iterdir() if _NAME.fullmatch(path.name)]:
         with contextlib.suppress(OSError):  # in use, another user's, or on a disk without locks
