@@ -46,5 +46,5 @@ def fork_server() -> "Iterator[ForkServer]":
 @pytest.fixture
 def shared_trials(fork_server: "ForkServer", monkeypatch: pytest.MonkeyPatch) -> None:
     """Let commands run their trials in the shared process instead of one each."""
-    kept = SimpleNamespace(ask=fork_server.ask, close=lambda: None)
+    kept = SimpleNamespace(ask=fork_server.ask, folder=fork_server.folder, close=lambda: None)
     monkeypatch.setattr("posflock_robotarium.verify.trials.ForkServer", lambda: kept)
