@@ -9,14 +9,17 @@ import threading
 import time
 
 import pytest
+from typer.testing import CliRunner
 
+from posflock_robotarium.cli import app
 from posflock_robotarium.sweep.cluster import Certificates, ClusterError, on_cluster
 from posflock_robotarium.sweep.execution import execute, locally
 from posflock_robotarium.sweep.results import finished
 from posflock_robotarium.sweep.store import ERROR, Store
-from posflock_robotarium.sweep.study import parse_study
+from posflock_robotarium.sweep.study import parse_study, read_study
 
 distributed = pytest.importorskip("distributed")
+dask = pytest.importorskip("dask")
 
 STUDY = parse_study(
     {
@@ -199,11 +202,20 @@ def test_a_cluster_over_tls_takes_those_alone_who_have_a_certificate(processes, 
     processes(sys.executable, "-m", "distributed.cli.dask_worker", address, "--no-nanny",
               "--no-dashboard", "--nthreads", "1", "--tls-ca-file", str(ca[0]),
               "--tls-cert", str(cert), "--tls-key", str(key))  # fmt: skip
-    small = {"agents": 4, "side": 4.0, "duration": 1.0}
-    study = parse_study({"experiment": "freespace", "replications": 2, "parameters": small})
-    ours = Certificates(ca[0], cert, key)
-    with Store(tmp_path / "store") as store, on_cluster(address, certificates=ours) as executor:
-        assert execute(study, store, executor) == 2
+    study = tmp_path / "study.toml"
+    study.write_text('experiment = "freespace"\nreplications = 2\n'
+                     "[parameters]\nagents = 4\nside = 4.0\nduration = 1.0\n")  # fmt: skip
+    command = ["sweep", str(study), "-o", str(tmp_path / "out"), "--scheduler", address]
+    command += ["--tls-ca", str(ca[0]), "--tls-cert", str(cert), "--tls-key", str(key)]
+    assert "2 runs computed" in CliRunner().invoke(app, command, catch_exceptions=False).stdout
+    names = {"ca-file": ca[0], "client.cert": cert, "client.key": key}
+    said = {f"distributed.comm.tls.{name}": str(file) for name, file in names.items()}
+    with (
+        dask.config.set(said),
+        Store(tmp_path / "store") as store,
+        on_cluster(address) as executor,
+    ):
+        assert execute(read_study(study), store, executor) == 2
     for strangers in (None, Certificates(ca[0], *certified(tmp_path, "stranger"))):
         with (
             pytest.raises(ClusterError, match="no Dask scheduler answers"),

@@ -8,7 +8,7 @@ a client. ``tls://`` admits those alone who hold a certificate, and encrypts wha
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -147,35 +147,40 @@ def _connected(address: str, patience: float, certificates: Certificates | None)
 def _results(
     client: Client, address: str, job: Job, work: Sequence[Sequence[PlannedRun]]
 ) -> Iterator[list[Row]]:
-    """Yield the rows of batches as they are finished."""
+    """Yield the rows of batches as they are finished.
+
+    Dask blames all runs that a worker had before it when it died, so those that are blamed are
+    computed once more, each when no other is under way.
+    """
+    suspects: list[PlannedRun] = []
+    for batch, rows in _finished(client, address, job, work):
+        if rows is None:
+            suspects += batch
+        else:
+            yield rows
+    for run in suspects:
+        for batch, rows in _finished(client, address, job, [[run]]):
+            yield job.failed(batch, DIED) if rows is None else rows
+
+
+def _finished(
+    client: Client, address: str, job: Job, work: Sequence[Sequence[PlannedRun]]
+) -> Iterator[tuple[Sequence[PlannedRun], list[Row] | None]]:
+    """Yield batches and their rows; None where the workers that had a batch died."""
     from distributed import CancelledError, KilledWorker, as_completed
 
-    futures: Mapping[Any, Sequence[PlannedRun]] = _submitted(client, job, work)
-    batch_of = dict(futures)
-    done = as_completed(list(batch_of), loop=client.loop)
-    for future in done:
-        batch = batch_of.pop(future)
+    futures = client.map(job, work, pure=False, batch_size=100)
+    batch_of: dict[Any, Sequence[PlannedRun]] = dict(zip(futures, work, strict=True))
+    for future in as_completed(futures, loop=client.loop):
+        rows: list[Row] | None = None
         try:
             rows = future.result()
         except KilledWorker:
-            if len(batch) > 1:  # one of them, perhaps: each is to have its own end
-                again = _submitted(client, job, [[run] for run in batch])
-                batch_of.update(again)
-                done.update(list(again))
-                continue
-            rows = job.failed(batch, DIED)
+            pass
         except (CancelledError, OSError, TimeoutError) as error:
             raise _lost(address) from error
-        yield rows
+        yield batch_of.pop(future), rows
         future.release()
-
-
-def _submitted(
-    client: Client, job: Job, work: Sequence[Sequence[PlannedRun]]
-) -> dict[Any, Sequence[PlannedRun]]:
-    """Send batches to the cluster; return what will be known of each."""
-    futures = client.map(job, work, pure=False, batch_size=100)
-    return dict(zip(futures, work, strict=True))
 
 
 def _lost(address: str) -> ClusterError:
