@@ -7,7 +7,11 @@ from posflock_robotarium.commands import options
 from posflock_robotarium.commands.terminal import say
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from posflock_robotarium.calibration import Calibration
+    from posflock_robotarium.calibration.estimate import Estimate
 
 
 def calibrate(
@@ -16,11 +20,19 @@ def calibrate(
     name: options.ProfileName = "calibrated",
     pooled: options.Pooled = False,
     resimulate: options.ResimulatedLog = None,
+    dt: options.MeanStep = None,
+    step_times: options.StepTimes = None,
+    layout: options.Layout = None,
+    columns: options.Columns = None,
+    array: options.Array = None,
+    drop_damaged: options.DropDamaged = False,
     json_only: options.EstimatesAsJson = False,
 ) -> None:
     """Fit dead time, lag, gains, bias and noise to a log, and write them as a realism profile.
 
-    Exit code 0, or 2 with the reason when the log cannot be read or does not tell enough.
+    What the log does not determine is left out and named, and so are poses that no robot can have
+    had. Exit code 0, or 2 with the reason, and no file, when the log cannot be read or determines
+    nothing.
 
     [bold]Examples[/bold]
 
@@ -28,21 +40,25 @@ def calibrate(
 
         posflock verify main.py --profile lab.toml
 
+        posflock calibrate back/nine_robots.npy --dt 0.0352 -o lab.toml
+
         posflock calibrate back/nine_robots.npy -o lab.toml --resimulate again.npy
 
         posflock compare back/nine_robots.npy again.npy
     """
     from posflock_robotarium.calibration import calibrate as fit
-    from posflock_robotarium.calibration import read_commanded, write_profile
+    from posflock_robotarium.calibration import read_commanded, retimed, write_profile
     from posflock_robotarium.calibration import resimulate as simulate
     from posflock_robotarium.logs.convert import write_pose_log
+    from posflock_robotarium.logs.readers import ReadOptions
 
-    read = read_commanded(log)
-    found = fit(read)
-    profile = found.profile(name, pooled=pooled)
-    write_profile(profile, out)
+    read = read_commanded(log, ReadOptions(layout, columns, dt, array, drop_damaged))
+    given = _given_times(dt, step_times, len(read.t))
+    found = fit(read, given)
+    write_profile(found.profile(name, pooled=pooled), out)
     if resimulate is not None:
-        write_pose_log(simulate(read, found.profile(name)), resimulate)
+        timed = read if given is None else retimed(read, given)
+        write_pose_log(simulate(timed, found.profile(name)), resimulate)
     if json_only:
         import json
 
@@ -54,20 +70,44 @@ def calibrate(
         say(f"wrote {resimulate}; overlay them with posflock compare {log} {resimulate}")
 
 
+def _given_times(
+    dt: float | None, step_times: Path | None, rows: int
+) -> "float | NDArray[np.float64] | None":
+    """Return what the user knows of the steps, s."""
+    from posflock_robotarium.calibration import read_step_times
+    from posflock_robotarium.flocking.errors import ParameterError
+
+    if step_times is None:
+        return dt
+    if dt is not None:
+        raise ParameterError("--dt and --step-times both give the steps; leave one out")
+    return read_step_times(step_times, rows)
+
+
 def _print_estimates(found: "Calibration") -> None:
-    say(f"{'dead time':<18} {found.dead_time} s")
-    say(f"{'lag':<18} {found.lag} s")
+    typer.echo(f"{'times':<18} {found.times}")
+    _print("dead time", found.dead_time, "s")
+    _print("lag", found.lag, "s")
     for robot, (speed, turn, bias, offset) in enumerate(
         zip(found.speed_gain, found.turn_gain, found.turn_bias, found.heading_offset, strict=True)
     ):
-        say(f"robot {robot}: speed gain {speed}, turn gain {turn}")
-        say(f"         turn bias {bias} rad/s, heading offset {offset} rad")
+        typer.echo(f"robot {robot}: speed gain {_said(speed)}, turn gain {_said(turn)}")
+        typer.echo(f"         turn bias {_said(bias)} rad/s, heading offset {_said(offset)} rad")
     jitter, unexplained = found.jitter, found.disturbance
-    for what, estimate, unit in (
-        ("jitter, along", jitter.along, "m"),
-        ("jitter, lateral", jitter.lateral, "m"),
-        ("jitter, heading", jitter.heading, "rad"),
-        ("unexplained speed", unexplained.speed, "m/s"),
-        ("unexplained turn", unexplained.turn, "rad/s"),
-    ):
-        say(f"{what:<18} {estimate} {unit}")
+    _print("jitter, along", jitter.along, "m")
+    _print("jitter, lateral", jitter.lateral, "m")
+    _print("jitter, heading", jitter.heading, "rad")
+    _print("unexplained speed", unexplained.speed, "m/s")
+    _print("unexplained turn", unexplained.turn, "rad/s")
+    for left_out in found.left_out:
+        typer.echo(f"not determined: {left_out}")
+    for warning in found.warnings:
+        typer.echo(f"warning: {warning}", err=True)
+
+
+def _print(what: str, estimate: "Estimate | None", unit: str) -> None:
+    typer.echo(f"{what:<18} {_said(estimate)}" + ("" if estimate is None else f" {unit}"))
+
+
+def _said(estimate: "Estimate | None") -> str:
+    return "–" if estimate is None else str(estimate)

@@ -123,6 +123,22 @@ ConvertedFile = Annotated[
     Path | None,
     typer.Option("-o", "--out", help="The file; beside the log by default.", show_default=False),
 ]
+MeanStep = Annotated[
+    float | None,
+    typer.Option(
+        "--dt",
+        help="Mean seconds between rows, where the log's own times are nominal or useless.",
+        show_default=False,
+    ),
+]
+StepTimes = Annotated[
+    Path | None,
+    typer.Option(
+        help="Text, CSV or .npy with the seconds from row to row, or of each row, which then "
+        "replace the log's times.",
+        show_default=False,
+    ),
+]
 FittedProfile = Annotated[Path, typer.Option("--out", "-o", help="The realism profile to write.")]
 ProfileName = Annotated[str, typer.Option(help="What the profile is to be called.")]
 Pooled = Annotated[
