@@ -150,7 +150,7 @@ class Fit:
         """
         data = self.data
         driven = delayed(data.commands, *shape, data.steps, data.before)
-        time: Floats = data.steps[:, None]
+        time = data.steps[:, None]
         on = (np.abs(driven[:, 0]) >= OFF_SPEED) | (np.abs(driven[:, 1]) >= OFF_TURN)
         parts = driven[:, 0] * time, driven[:, 1] * time, np.where(on, time, 0.0)
         forward, turning, moving = (self._flat(part) for part in parts)
@@ -162,8 +162,7 @@ class Fit:
 
     def _sum(self, values: Floats) -> Floats:
         """Sum values (n,) robot by robot, (N,)."""
-        out: Floats = np.bincount(self.owner, values, self.robots)
-        return out
+        return np.bincount(self.owner, values, self.robots).astype(float)
 
     def _linear(
         self, shape: tuple[float, float], white: tuple[Floats, Floats, Floats] | None = None

@@ -1,5 +1,6 @@
 """``posflock calibrate``: from a returned log to a realism profile."""
 
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,10 +13,11 @@ if TYPE_CHECKING:
 
     from posflock_robotarium.calibration import Calibration
     from posflock_robotarium.calibration.estimate import Estimate
+    from posflock_robotarium.logs.readers import ReadOptions
 
 
 def calibrate(
-    log: options.CommandedLog,
+    log: options.CommandedLog = None,
     out: options.FittedProfile = Path("calibrated.toml"),
     name: options.ProfileName = "calibrated",
     pooled: options.Pooled = False,
@@ -26,13 +28,18 @@ def calibrate(
     columns: options.Columns = None,
     array: options.Array = None,
     drop_damaged: options.DropDamaged = False,
+    events: options.EventLog = None,
+    script: options.EventScript = None,
+    profile: options.EventBase = "gritsbot_x",
+    trials: options.EventTrials = 16,
+    jobs: options.Jobs = None,
     json_only: options.EstimatesAsJson = False,
 ) -> None:
     """Fit dead time, lag, gains, bias and noise to a log, and write them as a realism profile.
 
     What the log does not determine is left out and named, and so are poses that no robot can have
-    had. Exit code 0, or 2 with the reason, and no file, when the log cannot be read or determines
-    nothing.
+    had. Without poses, speed gain and delay can be fitted to the times of printed events. Exit
+    code 0, or 2 with the reason, and no file, when the log cannot be read or determines nothing.
 
     [bold]Examples[/bold]
 
@@ -45,29 +52,97 @@ def calibrate(
         posflock calibrate back/nine_robots.npy -o lab.toml --resimulate again.npy
 
         posflock compare back/nine_robots.npy again.npy
+
+        posflock calibrate --events back/printed.txt --script main.py -o lab.toml
     """
-    from posflock_robotarium.calibration import calibrate as fit
-    from posflock_robotarium.calibration import read_commanded, retimed, write_profile
-    from posflock_robotarium.calibration import resimulate as simulate
+    from posflock_robotarium.flocking.errors import ParameterError
+
+    if (log is None) == (events is None) or (events is None) != (script is None):
+        raise ParameterError("give a log with commands, or --events with --script")
+    if events is not None and script is not None:
+        _calibrate_events(events, script, out, name, profile, trials, jobs, json_only)
+    if log is not None:
+        from posflock_robotarium.logs.readers import ReadOptions
+
+        reading = ReadOptions(layout, columns, dt, array, drop_damaged)
+        _calibrate_log(log, out, name, pooled, resimulate, reading, step_times, json_only)
+
+
+def _calibrate_log(
+    log: Path,
+    out: Path,
+    name: str,
+    pooled: bool,
+    resimulated: Path | None,
+    reading: "ReadOptions",
+    step_times: Path | None,
+    json_only: bool,
+) -> None:
+    from posflock_robotarium.calibration import (
+        calibrate,
+        read_commanded,
+        resimulate,
+        retimed,
+        write_profile,
+    )
     from posflock_robotarium.logs.convert import write_pose_log
-    from posflock_robotarium.logs.readers import ReadOptions
 
-    read = read_commanded(log, ReadOptions(layout, columns, dt, array, drop_damaged))
-    given = _given_times(dt, step_times, len(read.t))
-    found = fit(read, given)
+    read = read_commanded(log, reading)
+    given = _given_times(reading.dt, step_times, len(read.t))
+    found = calibrate(read, given)
     write_profile(found.profile(name, pooled=pooled), out)
-    if resimulate is not None:
+    if resimulated is not None:
         timed = read if given is None else retimed(read, given)
-        write_pose_log(simulate(timed, found.profile(name)), resimulate)
+        write_pose_log(resimulate(timed, found.profile(name)), resimulated)
     if json_only:
-        import json
-
-        say(json.dumps(found.as_dict(), indent=1))
+        typer.echo(json.dumps(found.as_dict(), indent=1))
         return
     _print_estimates(found)
-    say(f"wrote {out}")
-    if resimulate is not None:
-        say(f"wrote {resimulate}; overlay them with posflock compare {log} {resimulate}")
+    typer.echo(f"wrote {out}")
+    if resimulated is not None:
+        typer.echo(f"wrote {resimulated}; overlay them with posflock compare {log} {resimulated}")
+
+
+def _calibrate_events(
+    events: Path,
+    script: Path,
+    out: Path,
+    name: str,
+    profile: str,
+    trials: int,
+    jobs: int | None,
+    json_only: bool,
+) -> None:
+    from posflock_robotarium.calibration import write_profile
+    from posflock_robotarium.calibration.events import calibrate_events
+    from posflock_robotarium.verify.trials import Limits
+    from rps_compat.profiles import load_profile
+
+    limits = Limits() if jobs is None else Limits(jobs=jobs)
+
+    def tell(done: int) -> None:
+        if done % 5 == 0:
+            typer.echo(f"{done} runs simulated", err=True)
+
+    found = calibrate_events(events, script, load_profile(profile), trials, limits, tell)
+    write_profile(found.profile(name), out)
+    if json_only:
+        typer.echo(json.dumps(found.as_dict(), indent=1))
+        return
+    fit = found.fit
+    _print("speed gain", fit.gain, "")
+    _print("dead time", fit.delay, "s")
+    if fit.delay is None:
+        typer.echo(f"not determined: the dead time; assumed {fit.assumed_delay:.3g} s")
+    typer.echo(f"{'logged':>8} {'fitted':>8} {'seeds':>7}  event (seconds)")
+    for row in fit.rows:
+        typer.echo(f"{row.logged:8.1f} {row.fitted:8.1f} {row.spread:7.2f}  {row.name}")
+    typer.echo(f"unexplained by the simulation: {fit.unexplained:.2f} s")
+    if fit.scheduled:
+        typer.echo(f"{fit.scheduled} more come when the script's clock says so")
+    if fit.unmatched:
+        typer.echo(f"not in every simulated run: {'; '.join(fit.unmatched)}")
+    typer.echo(f"wrote {out}")
 
 
 def _given_times(
