@@ -5,6 +5,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from benchmarks.simulated_testbed import DISTURBANCE, JITTER, simulated_testbed
 from posflock_robotarium.calibration import Estimate, calibrate, delayed, resimulate
@@ -111,6 +113,27 @@ def test_what_moved_before_the_log_goes_on_in_it():
     steady = np.full((30, 2, 1), 0.1)
     np.testing.assert_allclose(delayed(steady, 0.2, 0.1, 0.033, before=steady[0]), 0.1)
     assert delayed(steady, 0.2, 0.1, 0.033)[5, 0, 0] == 0.0
+
+
+@given(
+    steps=st.lists(st.floats(0.004, 2.0), min_size=2, max_size=12),
+    share=st.floats(0.05, 0.95),
+    dead_time=st.floats(0.0, 0.6),
+    lag=st.floats(1e-4, 0.6),
+    seed=st.integers(0, 99),
+)
+def test_a_step_cut_in_two_drives_the_same_way(steps, share, dead_time, lag, seed):
+    """And no way is lost: the state is off its input by what has not been driven yet."""
+    lengths = np.array(steps)
+    commands = np.random.default_rng(seed).uniform(-1, 1, (len(steps), 1))
+    ways = lengths * delayed(commands, dead_time, lag, lengths)[:, 0]
+    cut = np.stack([share * lengths, (1 - share) * lengths], axis=1).ravel()
+    halves = cut * delayed(np.repeat(commands, 2, axis=0), dead_time, lag, cut)[:, 0]
+    np.testing.assert_allclose(halves.reshape(-1, 2).sum(axis=1), ways, atol=1e-10)
+    stopped = np.append(commands, 0.0)[:, None]
+    long_after = np.append(lengths, dead_time + 40 * lag)
+    driven = (long_after * delayed(stopped, dead_time, lag, long_after)[:, 0]).sum()
+    assert driven == pytest.approx(float(lengths @ commands[:, 0]), abs=1e-9)
 
 
 def plain_log(rows=100, smooth=False):

@@ -42,6 +42,8 @@ _DELAYS = (0.05, 0.55)
 _NEAR = 0.08
 #: Times that spread less than this over gains hang on the script's clock alone, s.
 _SCHEDULED = 0.3
+#: A time that hangs on the gain changes over these gains by so many of its own deviations.
+_CLEAR = 2.0
 #: Printed times are rounded to a tenth of a second.
 _ROUNDING = 0.1 / np.sqrt(12)
 _ROUNDS = 3
@@ -82,7 +84,7 @@ class EventFit:
     rows : tuple of EventRow
         The events that were used.
     scheduled : int
-        Events that come when the clock says so, whatever robots do.
+        Events whose times do not hang on the gain: they come when the clock says so, or by chance.
     unmatched : tuple of str
         Logged events that did not come in every simulated run.
     unexplained : float
@@ -175,8 +177,9 @@ def _regress(
     times = np.array([[run.events[key] for key in common] for run in runs]).reshape(len(runs), -1)
     inputs = np.array([[1.0, 1 / r.candidate.gain, r.candidate.delay] for r in runs])
     coefficients, *_ = np.linalg.lstsq(inputs, times, rcond=None)
-    width = np.ptp(inputs[:, 1])
-    informative = np.abs(coefficients[1]) * width > _SCHEDULED
+    effect = np.abs(coefficients[1]) * np.ptp(inputs[:, 1])
+    scatter = (times - inputs @ coefficients).std(axis=0)
+    informative = effect > np.maximum(_SCHEDULED, _CLEAR * scatter)
     keys = [key for key, use in zip(common, informative, strict=True) if use]
     if not keys:
         raise LogError(

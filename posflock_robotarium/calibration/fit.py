@@ -119,11 +119,23 @@ class Fit:
         self.whiten = whiten
         self.white = whiten[0](self.along), whiten[1](self.turn)
 
-    def predictions(self) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
-        """Return what was measured and what the fit says of it, (n,) each: along, and turning."""
+    def predictions(self, bias: bool = True) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
+        """Return what was measured and what the fit says of it.
+
+        Parameters
+        ----------
+        bias : bool
+            Whether turn biases count; otherwise only what robots were told.
+
+        Returns
+        -------
+        along, turn : pairs of (n,) arrays
+            Measured and predicted increments, m and rad.
+        """
         forward, turning, on = self._features(self.shape)
-        speed, turn, bias = (part[self.owner] for part in self._linear(self.shape))
-        return (self.along, speed * forward), (self.turn, turn * turning + bias * on)
+        speed, turn, drift = (part[self.owner] for part in self._linear(self.shape))
+        turned = turn * turning + (drift * on if bias else 0.0)
+        return (self.along, speed * forward), (self.turn, turned)
 
     def _fit(self) -> tuple[Noise, Noise]:
         """Alternate between parameters and noise until the noise does not change."""

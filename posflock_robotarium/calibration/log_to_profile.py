@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,10 +17,10 @@ from posflock_robotarium.calibration.fit import (
     Fit,
     Fitted,
 )
-from posflock_robotarium.calibration.hidden_stalls import hidden_stalls
 from posflock_robotarium.calibration.identifiability import USEFUL, Kind, LeftOut
 from posflock_robotarium.calibration.increments import NO_COMMANDS, increments_of
 from posflock_robotarium.calibration.plausibility import Sightings, sightings_of
+from posflock_robotarium.calibration.residuals import damaged, hidden_stalls
 from posflock_robotarium.calibration.result import Calibration, Jitter, PerRobot, Unexplained
 from posflock_robotarium.calibration.step_times import Origin, StepTimes, step_times_of
 from posflock_robotarium.calibration.tracking import heading_offsets, lateral_jitter
@@ -63,12 +64,17 @@ def calibrate(log: Run, step_times: float | Floats | None = None) -> Calibration
         for offset in heading_offsets(log, times.t, sightings.known)
     )
     known = np.array([0.0 if offset is None else offset.value for offset in offsets])
-    fit = Fit(increments_of(log, known, times, sightings))
+    data = increments_of(log, known, times, sightings)
+    fit = Fit(data)
     fitted = fit.solve()
     if times.origin is Origin.NOMINAL and (stalls := hidden_stalls(fit, sightings.stalls)):
         times = times.without(stalls)
-        fitted = Fit(increments_of(log, known, times, sightings)).solve()
-    return _calibration(log, times, sightings, fitted, offsets)
+        data = increments_of(log, known, times, sightings)
+        fit = Fit(data)
+        fitted = fit.solve()
+    if (spikes := damaged(fit)).any():
+        fitted = Fit(replace(data, known=data.known & ~spikes)).solve()
+    return _calibration(log, times, replace(sightings, spikes=spikes), fitted, offsets)
 
 
 def _calibration(
@@ -144,6 +150,8 @@ def _warnings(sightings: Sightings) -> Iterator[str]:
             f"{jumps.sum()} jumps faster than wheels turn ({', '.join(each)}) are no motion and"
             " left out"
         )
+    if spikes := int(sightings.spikes.sum()):
+        yield f"{spikes} increments of single robots that no noise explains are left out"
     if sightings.unbelieved:
         rows = sum(stretch.rows for stretch in sightings.unbelieved)
         some = "; ".join(map(str, sightings.unbelieved[:4]))

@@ -84,12 +84,15 @@ class Sightings:
     stalls : (K,) boolean array
         Rows in which most robots at once went too far for a nominal step: no teleports, but stalls
         of the loop that the log's times hide.
+    spikes : (K, N) boolean array
+        Increments that no noise explains; none before there is a fit.
     """
 
     known: NDArray[np.bool_]
     jumps: NDArray[np.bool_]
     unbelieved: tuple[Unbelieved, ...]
     stalls: NDArray[np.bool_]
+    spikes: NDArray[np.bool_]
 
 
 def sightings_of(log: Run, t: Floats, counted: bool = False) -> Sightings:
@@ -115,7 +118,7 @@ def sightings_of(log: Run, t: Floats, counted: bool = False) -> Sightings:
             own[rows, n] = False
             start, end = float(t[rows.start]), float(t[rows.stop - 1])
             unbelieved.append(Unbelieved(n, start, end, rows.stop - rows.start, why))
-    return Sightings(~jumps & own[1:] & own[:-1], jumps, tuple(unbelieved), stalls)
+    return Sightings(~jumps & own[1:] & own[:-1], jumps, tuple(unbelieved), stalls, jumps & False)
 
 
 def fastest(robot: RobotModel) -> tuple[float, float]:

@@ -139,7 +139,7 @@ def _calibrate_events(
         typer.echo(f"{row.logged:8.1f} {row.fitted:8.1f} {row.spread:7.2f}  {row.name}")
     typer.echo(f"unexplained by the simulation: {fit.unexplained:.2f} s")
     if fit.scheduled:
-        typer.echo(f"{fit.scheduled} more come when the script's clock says so")
+        typer.echo(f"{fit.scheduled} more come at times that do not hang on the gain")
     if fit.unmatched:
         typer.echo(f"not in every simulated run: {'; '.join(fit.unmatched)}")
     typer.echo(f"wrote {out}")
