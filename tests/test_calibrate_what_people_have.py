@@ -11,6 +11,7 @@ from benchmarks.simulated_testbed import (
     drive,
     nominal,
     random_commands,
+    random_truth,
     real_steps,
     simulated_testbed,
 )
@@ -63,6 +64,16 @@ def test_real_step_times_are_taken_as_they_are(real, tmp_path):
     assert profile.lag.seconds.values[0] == pytest.approx(truth.lag, rel=0.1)
     assert profile.gains.speed.values == pytest.approx(truth.speed_gain, rel=0.01)
     assert "as recorded" in profile.about
+
+
+def test_dead_time_and_lag_are_seconds_not_samples():
+    rng = np.random.default_rng(4)
+    truth, commands = random_truth(rng, 2), random_commands(rng, 500, 2)
+    t = np.cumsum(rng.choice([0.012, 0.033, 0.09], 500))
+    found = calibrate(Run("uneven", t, drive(t, commands, truth, rng), commands))
+    assert found.dead_time.value == pytest.approx(truth.dead_time, abs=0.003)
+    assert found.lag.value == pytest.approx(truth.lag, rel=0.03)
+    assert [e.value for e in found.speed_gain] == pytest.approx(truth.speed_gain, rel=0.005)
 
 
 def test_nominal_times_are_told_with_the_bias_that_they_cause(real, tmp_path):
