@@ -14,13 +14,14 @@ import numpy as np
 
 from posflock_robotarium.calibration.event_lines import EventKey, events_in
 from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.verify.fork_server import PRINTED
 from posflock_robotarium.verify.source import Source
 from posflock_robotarium.verify.static import check_source
-from posflock_robotarium.verify.trial import PRINTED
 from posflock_robotarium.verify.trials import Limits, TrialRoom
-from rps_compat.distributions import RobotDistribution, constant
+from rps_compat.distributions import DistributionKind, RobotDistribution, constant
 from rps_compat.realism import DeadTime, Gains, Profile
 from rps_compat.running.outcome import Outcome
+from rps_compat.running.plan import ClockPolicy
 from rps_compat.scripts.evidence import evidence_of
 
 
@@ -108,13 +109,13 @@ def hear(
         plans = [
             replace(
                 room.plan(f"{number:03d}", with_candidate(base, c), initial="arrive", seed=c.seed),
-                clock="simulated",
+                clock=ClockPolicy.SIMULATED,
             )
             for number, c in enumerate(candidates)
         ]
         ran = room.run(plans, tell)
         return [
-            Heard(candidate, _events(Path(plan.watched or "")), trial.outcome.time or 0.0)
+            Heard(candidate, _events(Path(plan.folder).parent), trial.outcome.time or 0.0)
             for candidate, plan, trial in zip(candidates, plans, ran, strict=True)
         ]
 
@@ -147,7 +148,7 @@ def mean_of(distribution: RobotDistribution) -> float:
         Which.
     """
     values = distribution.values
-    return values[0] if distribution.kind == "normal" else float(np.mean(values))
+    return values[0] if distribution.kind is DistributionKind.NORMAL else float(np.mean(values))
 
 
 def scaled(distribution: RobotDistribution, factor: float) -> RobotDistribution:
@@ -164,6 +165,6 @@ def scaled(distribution: RobotDistribution, factor: float) -> RobotDistribution:
     return RobotDistribution(distribution.kind, values, factor * distribution.limit)
 
 
-def _events(watched: Path) -> dict[EventKey, float]:
-    printed = watched / PRINTED
+def _events(beside: Path) -> dict[EventKey, float]:
+    printed = beside / PRINTED
     return events_in(printed.read_text(errors="replace")) if printed.is_file() else {}

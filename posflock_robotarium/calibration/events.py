@@ -19,6 +19,7 @@ from posflock_robotarium.calibration.event_trials import (
 )
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.verify.trials import Limits
+from rps_compat.bounded_files import read_bounded
 from rps_compat.realism import Profile
 
 #: Dead time to start from where a profile has none, s: that of GRITSBot X robots.
@@ -108,7 +109,7 @@ def calibrate_events(
         Where the log cannot be read, has no timed lines, or none that hang on the robots' speed.
     """
     try:
-        logged = events_in(log.read_text(encoding="utf-8", errors="replace"))
+        logged = events_in(read_bounded(log).decode("utf-8", "replace"))
     except OSError as error:
         raise LogError(f"{log}: cannot be read: {error.strerror or error}") from error
     if not logged:

@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.calibration.increments import NO_COMMANDS
-from posflock_robotarium.flocking.errors import LogError, OutputError
+from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.logs.readers import LayoutError, ReadOptions, read
 from posflock_robotarium.logs.run import Run
 from rps_compat.arena import Arena
+from rps_compat.distributions import DistributionKind
 from rps_compat.kinematics import wrap
 from rps_compat.realism import Profile
 from rps_compat.whole_files import write_whole

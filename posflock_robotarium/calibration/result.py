@@ -11,7 +11,7 @@ import numpy as np
 
 from posflock_robotarium.calibration.estimate import Estimate
 from posflock_robotarium.calibration.identifiability import LeftOut
-from rps_compat.distributions import RobotDistribution, constant
+from rps_compat.distributions import DistributionKind, RobotDistribution, constant
 from rps_compat.realism import (
     DeadTime,
     Disturbance,
@@ -190,9 +190,9 @@ def _distribution(estimates: PerRobot, pooled: bool, least: float) -> RobotDistr
     mean = float(np.mean(fitted))
     if not pooled:
         values = tuple(mean if e is None else e.value for e in estimates)
-        return RobotDistribution("robots", values)
+        return RobotDistribution(DistributionKind.ROBOTS, values)
     spread = float(np.std(fitted, ddof=1)) if len(fitted) > 1 else 0.0
     spread = min(spread, (mean - least) / 3)
     if spread == 0.0:
         return constant(mean)
-    return RobotDistribution("normal", (mean, spread), 3 * spread)
+    return RobotDistribution(DistributionKind.NORMAL, (mean, spread), 3 * spread)

@@ -95,12 +95,12 @@ def _calibrate_log(
         timed = read if given is None else retimed(read, given)
         write_pose_log(resimulate(timed, found.profile(name)), resimulated)
     if json_only:
-        typer.echo(json.dumps(found.as_dict(), indent=1))
+        say(json.dumps(found.as_dict(), indent=1))
         return
     _print_estimates(found)
-    typer.echo(f"wrote {out}")
+    say(f"wrote {out}")
     if resimulated is not None:
-        typer.echo(f"wrote {resimulated}; overlay them with posflock compare {log} {resimulated}")
+        say(f"wrote {resimulated}; overlay them with posflock compare {log} {resimulated}")
 
 
 def _calibrate_events(
@@ -122,27 +122,27 @@ def _calibrate_events(
 
     def tell(done: int) -> None:
         if done % 5 == 0:
-            typer.echo(f"{done} runs simulated", err=True)
+            say(f"{done} runs simulated", err=True)
 
     found = calibrate_events(events, script, load_profile(profile), trials, limits, tell)
     write_profile(found.profile(name), out)
     if json_only:
-        typer.echo(json.dumps(found.as_dict(), indent=1))
+        say(json.dumps(found.as_dict(), indent=1))
         return
     fit = found.fit
     _print("speed gain", fit.gain, "")
     _print("dead time", fit.delay, "s")
     if fit.delay is None:
-        typer.echo(f"not determined: the dead time; assumed {fit.assumed_delay:.3g} s")
-    typer.echo(f"{'logged':>8} {'fitted':>8} {'seeds':>7}  event (seconds)")
+        say(f"not determined: the dead time; assumed {fit.assumed_delay:.3g} s")
+    say(f"{'logged':>8} {'fitted':>8} {'seeds':>7}  event (seconds)")
     for row in fit.rows:
-        typer.echo(f"{row.logged:8.1f} {row.fitted:8.1f} {row.spread:7.2f}  {row.name}")
-    typer.echo(f"unexplained by the simulation: {fit.unexplained:.2f} s")
+        say(f"{row.logged:8.1f} {row.fitted:8.1f} {row.spread:7.2f}  {row.name}")
+    say(f"unexplained by the simulation: {fit.unexplained:.2f} s")
     if fit.scheduled:
-        typer.echo(f"{fit.scheduled} more come at times that do not hang on the gain")
+        say(f"{fit.scheduled} more come at times that do not hang on the gain")
     if fit.unmatched:
-        typer.echo(f"not in every simulated run: {'; '.join(fit.unmatched)}")
-    typer.echo(f"wrote {out}")
+        say(f"not in every simulated run: {'; '.join(fit.unmatched)}")
+    say(f"wrote {out}")
 
 
 def _given_times(
@@ -160,14 +160,14 @@ def _given_times(
 
 
 def _print_estimates(found: "Calibration") -> None:
-    typer.echo(f"{'times':<18} {found.times}")
+    say(f"{'times':<18} {found.times}")
     _print("dead time", found.dead_time, "s")
     _print("lag", found.lag, "s")
     for robot, (speed, turn, bias, offset) in enumerate(
         zip(found.speed_gain, found.turn_gain, found.turn_bias, found.heading_offset, strict=True)
     ):
-        typer.echo(f"robot {robot}: speed gain {_said(speed)}, turn gain {_said(turn)}")
-        typer.echo(f"         turn bias {_said(bias)} rad/s, heading offset {_said(offset)} rad")
+        say(f"robot {robot}: speed gain {_said(speed)}, turn gain {_said(turn)}")
+        say(f"         turn bias {_said(bias)} rad/s, heading offset {_said(offset)} rad")
     jitter, unexplained = found.jitter, found.disturbance
     _print("jitter, along", jitter.along, "m")
     _print("jitter, lateral", jitter.lateral, "m")
@@ -175,13 +175,13 @@ def _print_estimates(found: "Calibration") -> None:
     _print("unexplained speed", unexplained.speed, "m/s")
     _print("unexplained turn", unexplained.turn, "rad/s")
     for left_out in found.left_out:
-        typer.echo(f"not determined: {left_out}")
+        say(f"not determined: {left_out}")
     for warning in found.warnings:
-        typer.echo(f"warning: {warning}", err=True)
+        say(f"warning: {warning}", err=True)
 
 
 def _print(what: str, estimate: "Estimate | None", unit: str) -> None:
-    typer.echo(f"{what:<18} {_said(estimate)}" + ("" if estimate is None else f" {unit}"))
+    say(f"{what:<18} {_said(estimate)}" + ("" if estimate is None else f" {unit}"))
 
 
 def _said(estimate: "Estimate | None") -> str:
