@@ -148,7 +148,7 @@ _LITTLE = {
     Kind.LAG: "too few or too small changes of what robots were told and followed",
     Kind.SPEED_GAIN: "too little driving forward",
     Kind.TURN_GAIN: "too little turning",
-    Kind.TURN_BIAS: "too few rows",
+    Kind.TURN_BIAS: "too few rows for so much noise",
 }
 
 

@@ -110,7 +110,7 @@ def _calibration(
         jitter=Jitter(along.jitter, lateral_jitter(log, times.steps, sightings.known), turn.jitter),
         disturbance=Unexplained(along.disturbance(dt), turn.disturbance(dt)),
         left_out=tuple(left_out),
-        warnings=(*times.warnings, *_warnings(sightings)),
+        warnings=(*times.warnings, *_warnings(times, sightings)),
         rows=len(log.t),
         time_step=dt,
         times=str(times),
@@ -141,19 +141,23 @@ def _useless(fitted: Fitted, estimates: list[Estimate | None]) -> Iterator[tuple
             yield entry, f"it would be {estimate}: the robot did not follow its commands"
 
 
-def _warnings(sightings: Sightings) -> Iterator[str]:
+def _warnings(times: StepTimes, sightings: Sightings) -> Iterator[str]:
     """Tell of poses that are left out."""
-    jumps = sightings.jumps
+    jumps = sightings.jumps.copy()
+    jumps[np.searchsorted(times.t, [at for at, _ in times.hidden])] = False  # those are stalls
     each = [f"robot {n}: {count}" for n, count in enumerate(jumps.sum(axis=0)) if count]
     if each:
         yield (
-            f"{jumps.sum()} jumps faster than wheels turn ({', '.join(each)}) are no motion and"
+            f"jumps faster than wheels turn ({jumps.sum()}; {', '.join(each)}) are no motion and"
             " left out"
         )
     if spikes := int(sightings.spikes.sum()):
-        yield f"{spikes} increments of single robots that no noise explains are left out"
+        yield f"increments of single robots that no noise explains ({spikes}) are left out"
     if sightings.unbelieved:
         rows = sum(stretch.rows for stretch in sightings.unbelieved)
         some = "; ".join(map(str, sightings.unbelieved[:4]))
         more = "; …" if len(sightings.unbelieved) > 4 else ""
-        yield f"{rows} poses are not of the robot they are written for and left out: {some}{more}"
+        yield (
+            f"poses that are not of the robot they are written for ({rows}) are left out:"
+            f" {some}{more}"
+        )
