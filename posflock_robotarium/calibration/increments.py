@@ -1,24 +1,27 @@
-"""What a log says between frames: how far robots went and turned, and what they were told."""
+"""What a log says between rows: how far robots went and turned, and what they were told."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from posflock_robotarium.calibration.plausibility import Sightings
+from posflock_robotarium.calibration.step_times import MEMORY, StepTimes
 from posflock_robotarium.flocking.errors import LogError
-from posflock_robotarium.logs.run import Run
+from posflock_robotarium.logs.run import GAP_FACTOR, Run
 from rps_compat.kinematics import wrap
 
 Floats = NDArray[np.float64]
-#: Rows below which nothing sensible can be fitted.
-_LEAST_ROWS = 60
 NO_COMMANDS = (
     "no commands in it; a calibration compares what robots did with what they were told, which a"
     " pose log holds"
 )
+#: Seconds at the beginning in which a robot at rest does not follow its first command yet.
+_AT_REST = 0.1
+#: What jitter makes of an increment, m and rad: only the ratio matters.
+_UNSURE = np.array([[0.001], [0.003]])
 
 
 @dataclass(frozen=True)
@@ -33,41 +36,23 @@ class Increments:
         Turns of the heading, rad.
     commands : (K, 2, N) array
         Forward speeds, m/s, and turn rates, rad/s.
+    steps : (K,) array
+        Seconds from row to row.
+    known : (K, N) boolean array
+        Which increments are to be believed.
+    before : (2, N) array
+        What robots had been commanded before the first row, m/s and rad/s.
     """
 
     along: Floats
     turn: Floats
     commands: Floats
+    steps: Floats
+    known: NDArray[np.bool_]
+    before: Floats
 
 
-def time_step_of(log: Run, given: float | None) -> float:
-    """Return the time between a log's rows, s; gaps are refused.
-
-    Parameters
-    ----------
-    log : Run
-        Poses over time.
-    given : float or None
-        What the user says, s; None for the median of the rows.
-
-    Raises
-    ------
-    LogError
-        Where the log is too short, or its rows are not evenly spaced.
-    """
-    if len(log.t) < _LEAST_ROWS:
-        raise LogError(f"the log has {len(log.t)} rows; a calibration needs {_LEAST_ROWS}")
-    steps = np.diff(log.t)
-    dt = float(np.median(steps)) if given is None else given
-    if not dt > 0 or np.abs(steps - dt).max() > 0.25 * dt:
-        raise LogError(
-            f"the log's rows are {steps.min():.4f} to {steps.max():.4f} s apart; a calibration"
-            " needs a row every time step"
-        )
-    return dt
-
-
-def increments_of(log: Run, offsets: Floats) -> Increments:
+def increments_of(log: Run, offsets: Floats, times: StepTimes, sightings: Sightings) -> Increments:
     """Return how far robots went and turned between rows.
 
     Parameters
@@ -76,56 +61,45 @@ def increments_of(log: Run, offsets: Floats) -> Increments:
         The log, with commands.
     offsets : (N,) array
         By how much each tracked heading is off, rad; it is taken off.
+    times : StepTimes
+        How long steps took, and which of them do not tell what robots were told.
+    sightings : Sightings
+        Where each robot was really seen.
 
     Raises
     ------
     LogError
-        Where there are no commands, or a robot was never commanded anything else.
+        Where there are no commands.
     """
     if log.commands is None:
         raise LogError(f"{log.name}: {NO_COMMANDS}")
-    for row, what in ((0, "forward speed"), (1, "turn rate")):
-        still = np.ptp(log.commands[:, row], axis=0) < 1e-3
-        if still.any():
-            raise LogError(
-                f"robots {np.flatnonzero(still).tolist()} were never commanded another {what}:"
-                " nothing can be learnt about how they follow it"
-            )
+    # In a stall the path bends in ways that its two ends do not tell; what was told still counts.
+    short = times.steps <= GAP_FACTOR * times.median
+    known = sightings.known & (times.usable & short)[:, None]
     turn = wrap(np.diff(log.poses[:, 2], axis=0))
     heading = log.poses[:-1, 2] + turn / 2 - offsets
     moved = np.diff(log.poses[:, :2], axis=0)
-    along = moved[:, 0] * np.cos(heading) + moved[:, 1] * np.sin(heading)
-    return Increments(along, turn, log.commands[:-1])
+    # The way along an arc is longer than its chord.
+    chord = np.sinc(turn / (2 * np.pi))
+    along = (moved[:, 0] * np.cos(heading) + moved[:, 1] * np.sin(heading)) / chord
+    along, turn = np.where(known, along, 0.0), np.where(known, turn, 0.0)
+    commands = log.commands[:-1]
+    before = np.zeros_like(commands[0])
+    if not _begins_at_rest(along, turn, commands, times.steps):
+        # What they had been told meanwhile is forgotten after a while; till then this is a guess.
+        before = commands[0]
+        known = known & (times.t[:-1] >= MEMORY)[:, None]
+    return Increments(along, turn, commands, times.steps, known, before)
 
 
-def delayed(commands: Floats, dead_time: float, lag: float, time_step: float) -> Floats:
-    """Return what robots at rest drive on average in each step, of what they are commanded.
+def _begins_at_rest(along: Floats, turn: Floats, commands: Floats, steps: Floats) -> bool:
+    """Tell from the first rows whether the team was at rest or following its first commands.
 
-    Parameters
-    ----------
-    commands : (K, …) array
-        One row a step, held for the step.
-    dead_time, lag : float
-        Seconds.
-    time_step : float
-        Seconds.
-
-    Returns
-    -------
-    (K, ...) array
-        What they drive, in the unit of the commands.
+    A log begins with its run, or was cut out of one; a single robot with a small command could not
+    tell these apart, the team can.
     """
-    from scipy.signal import lfilter
-
-    late = dead_time / time_step
-    whole, share = int(late), late - int(late)
-    padded = np.concatenate([np.zeros((whole + 1, *commands.shape[1:])), commands])
-    rows = len(commands)
-    shifted = (1 - share) * padded[1 : rows + 1] + share * padded[:rows]
-    ratio = max(lag / time_step, 1e-9)
-    left = math.exp(-1 / ratio)
-    # The lag's state after each step, then the mean over the step of its approach.
-    state = lfilter([1 - left], [1, -left], shifted, axis=0)
-    before = np.concatenate([np.zeros((1, *state.shape[1:])), state[:-1]])
-    out: Floats = shifted + ratio * (1 - left) * (before - shifted)
-    return out
+    rows = max(1, int(np.searchsorted(np.cumsum(steps), _AT_REST)))
+    done = np.stack([along[:rows].sum(axis=0), turn[:rows].sum(axis=0)])
+    told = np.einsum("k,kcn->cn", steps[:rows], commands[:rows])
+    at_rest, moving = (np.square(off / _UNSURE).sum() for off in (done, done - told))
+    return bool(at_rest <= moving)

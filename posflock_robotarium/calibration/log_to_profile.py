@@ -1,197 +1,163 @@
-"""From a log with commands to a realism profile: the whole fit in one call."""
+"""From a log with commands to estimates: the whole fit in one call."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
-from typing import Any
+from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from posflock_robotarium.calibration.estimate import Estimate
-from posflock_robotarium.calibration.fit import LEAST_LAG, Fit
-from posflock_robotarium.calibration.increments import increments_of, time_step_of
-from posflock_robotarium.calibration.tracking import heading_offsets, lateral_jitter
-from posflock_robotarium.logs.run import Run
-from rps_compat.distributions import DistributionKind, RobotDistribution, constant
-from rps_compat.realism import (
-    DeadTime,
-    Disturbance,
-    Gains,
-    HeadingOffset,
-    Lag,
-    Profile,
-    TrackingJitter,
-    TurnBias,
-    Watchdog,
+from posflock_robotarium.calibration.fit import (
+    LARGEST_DEAD_TIME,
+    LARGEST_LAG,
+    LEAST_LAG,
+    Fit,
+    Fitted,
 )
+from posflock_robotarium.calibration.identifiability import USEFUL, Kind, LeftOut
+from posflock_robotarium.calibration.increments import NO_COMMANDS, increments_of
+from posflock_robotarium.calibration.plausibility import Sightings, sightings_of
+from posflock_robotarium.calibration.residuals import damaged, hidden_stalls
+from posflock_robotarium.calibration.result import Calibration, Jitter, PerRobot, Unexplained
+from posflock_robotarium.calibration.step_times import Origin, StepTimes, step_times_of
+from posflock_robotarium.calibration.tracking import heading_offsets, lateral_jitter
+from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.logs.run import Run
+
+Floats = NDArray[np.float64]
+#: Share of the increments that may be jumps before the times or the units are to blame.
+_TOO_MANY_JUMPS = 0.2
+_GAINS = (Kind.SPEED_GAIN, Kind.TURN_GAIN)
 
 
-@dataclass(frozen=True)
-class Jitter:
-    """Standard deviations of the tracker's white noise, one for the whole team.
-
-    Attributes
-    ----------
-    along, lateral : Estimate
-        Of positions along and across the heading, m.
-    heading : Estimate
-        Of headings, rad.
-    """
-
-    along: Estimate
-    lateral: Estimate
-    heading: Estimate
-
-
-@dataclass(frozen=True)
-class Unexplained:
-    """Standard deviations of the motion that the model does not explain, drawn anew each step.
-
-    Attributes
-    ----------
-    speed : Estimate
-        Of the velocity along the heading, m/s.
-    turn : Estimate
-        Of the turn rate, rad/s.
-    """
-
-    speed: Estimate
-    turn: Estimate
-
-
-@dataclass(frozen=True)
-class Calibration:
-    """What was fitted.
-
-    Attributes
-    ----------
-    dead_time, lag : Estimate
-        Seconds, of the team.
-    speed_gain, turn_gain : tuple of Estimate
-        Per robot.
-    turn_bias : tuple of Estimate
-        rad/s, per robot.
-    heading_offset : tuple of Estimate
-        rad, per robot.
-    jitter : Jitter
-        Of the team's poses.
-    disturbance : Unexplained
-        Of the team's motion.
-    rows, time_step
-        Of the log.
-    """
-
-    dead_time: Estimate
-    lag: Estimate
-    speed_gain: tuple[Estimate, ...]
-    turn_gain: tuple[Estimate, ...]
-    turn_bias: tuple[Estimate, ...]
-    heading_offset: tuple[Estimate, ...]
-    jitter: Jitter
-    disturbance: Unexplained
-    rows: int
-    time_step: float
-
-    def profile(self, name: str = "calibrated", pooled: bool = False) -> Profile:
-        """Return the realism profile that simulates this testbed.
-
-        Parameters
-        ----------
-        name : str
-            What reports call the profile.
-        pooled : bool
-            Give distributions over robots, to draw any number of robots from, instead of the
-            values of these robots.
-        """
-
-        def robots(estimates: tuple[Estimate, ...], least: float = -math.inf) -> RobotDistribution:
-            values = [e.value for e in estimates]
-            if not pooled:
-                return RobotDistribution(DistributionKind.ROBOTS, tuple(values))
-            spread = float(np.std(values, ddof=1)) if len(values) > 1 else 0.0
-            spread = min(spread, (float(np.mean(values)) - least) / 3)
-            if spread == 0.0:
-                return constant(float(np.mean(values)))
-            return RobotDistribution(
-                DistributionKind.NORMAL, (float(np.mean(values)), spread), 3 * spread
-            )
-
-        return Profile(
-            name=name,
-            about=f"Fitted to {self.rows} steps of {len(self.speed_gain)} robots.",
-            watchdog=Watchdog(),
-            dead_time=DeadTime(constant(self.dead_time.value)),
-            gains=Gains(speed=robots(self.speed_gain, 0.0), turn=robots(self.turn_gain, 0.0)),
-            lag=Lag(constant(self.lag.value)),
-            turn_bias=TurnBias(robots(self.turn_bias)),
-            disturbance=Disturbance(self.disturbance.speed.value, self.disturbance.turn.value),
-            heading_offset=HeadingOffset(robots(self.heading_offset)),
-            tracking_jitter=TrackingJitter(
-                along=self.jitter.along.value,
-                lateral=self.jitter.lateral.value,
-                heading=self.jitter.heading.value,
-            ),
-        )
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return everything for JSON: values, and intervals as [low, high]."""
-
-        def plain(value: Any) -> Any:
-            if isinstance(value, Estimate):
-                return {"value": value.value, "interval": [value.low, value.high]}
-            if isinstance(value, tuple):
-                return [plain(entry) for entry in value]
-            if isinstance(value, (Calibration, Jitter, Unexplained)):
-                return {part.name: plain(getattr(value, part.name)) for part in fields(value)}
-            return value
-
-        said: dict[str, Any] = plain(self)
-        return said
-
-
-def calibrate(log: Run, time_step: float | None = None) -> Calibration:
+def calibrate(log: Run, step_times: float | Floats | None = None) -> Calibration:
     """Fit the model to a log that has commands.
 
     Parameters
     ----------
     log : Run
         Poses as tracked, and the commands sent after each reading.
-    time_step : float, optional
-        Seconds between rows; the log's own by default.
+    step_times : float or (K,) array, optional
+        Seconds from row to row, one for all or each; the log's own times by default.
 
     Raises
     ------
     LogError
-        Where the log is too short, has gaps, no commands, or robots that never moved enough to
-        tell.
+        Where the log is too short, has no commands, times or units that cannot be, or determines
+        nothing of how its robots follow commands.
     """
-    dt = time_step_of(log, time_step)
-    offsets = heading_offsets(log)
-    data = increments_of(log, np.array([offset.value for offset in offsets]))
-    fit = Fit(data, dt)
-    parameters, covariance, channels = fit.solve()
-    dead_time, lag = parameters[:2]
-    spread = np.sqrt(np.diag(covariance))
-    # What ended at the search's lower bound is none.
-    dead_time = dead_time if dead_time > 0.01 * spread[0] else 0.0
-    lag = lag if lag > 1.01 * LEAST_LAG else 0.0
-    robots = log.robots
+    if log.commands is None:
+        raise LogError(f"{log.name}: {NO_COMMANDS}")
+    times = step_times_of(log, step_times)
+    sightings = sightings_of(log, times.t, times.origin is Origin.NOMINAL)
+    if float(sightings.jumps.mean()) > _TOO_MANY_JUMPS:
+        raise LogError(
+            f"{log.name}: in {sightings.jumps.mean():.0%} of the rows robots would have driven"
+            f" faster than their wheels turn, with {times}; give the time between rows with --dt,"
+            " or mend the units (metres, radians)"
+        )
+    offsets = tuple(
+        offset if offset.high - offset.value <= USEFUL[Kind.HEADING_OFFSET] else None
+        for offset in heading_offsets(log, times.t, sightings.known)
+    )
+    known = np.array([0.0 if offset is None else offset.value for offset in offsets])
+    data = increments_of(log, known, times, sightings)
+    fit = Fit(data)
+    fitted = fit.solve()
+    if times.origin is Origin.NOMINAL and (stalls := hidden_stalls(fit, sightings.stalls)):
+        times = times.without(stalls)
+        data = increments_of(log, known, times, sightings)
+        fit = Fit(data)
+        fitted = fit.solve()
+    if (spikes := damaged(fit)).any():
+        fitted = Fit(replace(data, known=data.known & ~spikes)).solve()
+    return _calibration(log, times, replace(sightings, spikes=spikes), fitted, offsets)
 
-    def estimates(first: int) -> tuple[Estimate, ...]:
-        which = range(first, first + robots)
-        return tuple(Estimate.around(parameters[k], spread[k]) for k in which)
 
-    along, turn = channels
+def _calibration(
+    log: Run, times: StepTimes, sightings: Sightings, fitted: Fitted, offsets: PerRobot
+) -> Calibration:
+    """Put together what came out of all parts; refuse it where nothing did."""
+    estimates = _estimates(fitted)
+    left_out = list(fitted.left_out)
+    for entry, reason in _useless(fitted, estimates):
+        estimates[entry] = None
+        left_out.append(LeftOut(*fitted.layout.names[entry], reason))
+    follows = ~fitted.layout.of(Kind.TURN_BIAS)
+    if all(estimates[entry] is None for entry in np.flatnonzero(follows)):
+        raise LogError(
+            f"{log.name}: the log determines nothing of how its robots follow commands, so no"
+            f" profile comes of it. {'; '.join(map(str, left_out))}"
+        )
+    for robot, offset in enumerate(offsets):
+        if offset is None:
+            left_out.append(LeftOut(Kind.HEADING_OFFSET, robot, "too little driving forward"))
+
+    def of(kind: Kind) -> PerRobot:
+        return tuple(estimates[k] for k in np.flatnonzero(fitted.layout.of(kind)))
+
+    along, turn, dt = fitted.along, fitted.turn, times.median
     return Calibration(
-        dead_time=Estimate.around(dead_time, spread[0], least=0.0),
-        lag=Estimate.around(lag, spread[1], least=0.0),
-        speed_gain=estimates(2),
-        turn_gain=estimates(2 + robots),
-        turn_bias=estimates(2 + 2 * robots),
+        dead_time=estimates[0],
+        lag=estimates[1],
+        speed_gain=of(Kind.SPEED_GAIN),
+        turn_gain=of(Kind.TURN_GAIN),
+        turn_bias=of(Kind.TURN_BIAS),
         heading_offset=offsets,
-        jitter=Jitter(along.jitter, lateral_jitter(log), turn.jitter),
+        jitter=Jitter(along.jitter, lateral_jitter(log, times.steps, sightings.known), turn.jitter),
         disturbance=Unexplained(along.disturbance(dt), turn.disturbance(dt)),
+        left_out=tuple(left_out),
+        warnings=(*times.warnings, *_warnings(times, sightings)),
         rows=len(log.t),
         time_step=dt,
+        times=str(times),
     )
+
+
+def _estimates(fitted: Fitted) -> list[Estimate | None]:
+    """Return value and interval of every entry that is determined."""
+    values, spread = fitted.values.copy(), fitted.spread
+    # What ended at the search's lower bound is none.
+    values[0] = values[0] if values[0] > 0.01 * spread[0] else 0.0
+    values[1] = values[1] if values[1] > 1.01 * LEAST_LAG else 0.0
+    return [
+        Estimate.around(values[k], spread[k], least=0.0 if k < 2 else -math.inf) if free else None
+        for k, free in enumerate(fitted.free)
+    ]
+
+
+def _useless(fitted: Fitted, estimates: list[Estimate | None]) -> Iterator[tuple[int, str]]:
+    """Find what is known well, and yet describes no robot."""
+    for entry, (estimate, (kind, _)) in enumerate(zip(estimates, fitted.layout.names, strict=True)):
+        if estimate is None:
+            continue
+        largest = {Kind.DEAD_TIME: LARGEST_DEAD_TIME, Kind.LAG: LARGEST_LAG}.get(kind, math.inf)
+        if estimate.value > 0.99 * largest:
+            yield entry, f"it would be beyond {largest:g} s, so robots followed other commands"
+        elif kind in _GAINS and estimate.low <= 0:
+            yield entry, f"it would be {estimate}: the robot did not follow its commands"
+
+
+def _warnings(times: StepTimes, sightings: Sightings) -> Iterator[str]:
+    """Tell of poses that are left out."""
+    jumps = sightings.jumps.copy()
+    jumps[np.searchsorted(times.t, [at for at, _ in times.hidden])] = False  # those are stalls
+    each = [f"robot {n}: {count}" for n, count in enumerate(jumps.sum(axis=0)) if count]
+    if each:
+        yield (
+            f"jumps faster than wheels turn ({jumps.sum()}; {', '.join(each)}) are no motion and"
+            " left out"
+        )
+    if spikes := int(sightings.spikes.sum()):
+        yield f"increments of single robots that no noise explains ({spikes}) are left out"
+    if sightings.unbelieved:
+        rows = sum(stretch.rows for stretch in sightings.unbelieved)
+        some = "; ".join(map(str, sightings.unbelieved[:4]))
+        more = "; …" if len(sightings.unbelieved) > 4 else ""
+        yield (
+            f"poses that are not of the robot they are written for ({rows}) are left out:"
+            f" {some}{more}"
+        )

@@ -24,12 +24,6 @@ Logs = Annotated[
     typer.Argument(help="Pose logs: ours, or .npy, .npz, .mat, CSV, text.", show_default=False),
 ]
 Log = Annotated[Path, typer.Argument(help="Pose log of one run.", show_default=False)]
-CommandedLog = Annotated[
-    Path,
-    typer.Argument(
-        help="A pose log, or another file with poses, times and commands.", show_default=False
-    ),
-]
 Runs = Annotated[
     list[Path], typer.Argument(help="Logs, or saved analyses (.analysis.npz).", show_default=False)
 ]
@@ -122,6 +116,53 @@ Format = Annotated[
 ConvertedFile = Annotated[
     Path | None,
     typer.Option("-o", "--out", help="The file; beside the log by default.", show_default=False),
+]
+CommandedLog = Annotated[
+    Path | None,
+    typer.Argument(
+        help="A pose log, or another file with poses, times and commands. None with --events.",
+        show_default=False,
+    ),
+]
+EventLog = Annotated[
+    Path | None,
+    typer.Option(
+        "--events",
+        help="Instead: what a run on the testbed printed, with times, as '[t= 50.3s] at gate'.",
+        show_default=False,
+    ),
+]
+EventScript = Annotated[
+    Path | None,
+    typer.Option("--script", help="The script that printed the events.", show_default=False),
+]
+EventBase = Annotated[
+    str,
+    typer.Option(
+        "--profile", help="With --events, what else robots are like: a profile or a TOML file."
+    ),
+]
+EventTrials = Annotated[
+    int,
+    typer.Option(
+        "--trials", "-n", min=8, help="With --events, runs to simulate around each guess."
+    ),
+]
+MeanStep = Annotated[
+    float | None,
+    typer.Option(
+        "--dt",
+        help="Mean seconds between rows, where the log's own times are nominal or useless.",
+        show_default=False,
+    ),
+]
+StepTimes = Annotated[
+    Path | None,
+    typer.Option(
+        help="Text, CSV or .npy with the seconds from row to row, or of each row, which then "
+        "replace the log's times.",
+        show_default=False,
+    ),
 ]
 FittedProfile = Annotated[Path, typer.Option("--out", "-o", help="The realism profile to write.")]
 ProfileName = Annotated[str, typer.Option(help="What the profile is to be called.")]
