@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from posflock_robotarium.calibration.event_lines import events_in
-from posflock_robotarium.calibration.event_times import fit_events
-from posflock_robotarium.calibration.event_trials import (
+from posflock_robotarium.calibration.events.lines import events_in
+from posflock_robotarium.calibration.events.times import fit_events
+from posflock_robotarium.calibration.events.trials import (
     Candidate,
     Heard,
     hear,

@@ -19,7 +19,11 @@ from posflock_robotarium.calibration.fit import (
 )
 from posflock_robotarium.calibration.identifiability import USEFUL, Kind, LeftOut
 from posflock_robotarium.calibration.increments import NO_COMMANDS, increments_of
-from posflock_robotarium.calibration.plausibility import Sightings, sightings_of
+from posflock_robotarium.calibration.plausibility import (
+    TOO_MANY_JUMPS,
+    Sightings,
+    sightings_of,
+)
 from posflock_robotarium.calibration.residuals import damaged, hidden_stalls
 from posflock_robotarium.calibration.result import Calibration, Jitter, PerRobot, Unexplained
 from posflock_robotarium.calibration.step_times import Origin, StepTimes, step_times_of
@@ -28,8 +32,6 @@ from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.logs.run import Run
 
 Floats = NDArray[np.float64]
-#: Share of the increments that may be jumps before the times or the units are to blame.
-_TOO_MANY_JUMPS = 0.2
 _GAINS = (Kind.SPEED_GAIN, Kind.TURN_GAIN)
 
 
@@ -53,7 +55,7 @@ def calibrate(log: Run, step_times: float | Floats | None = None) -> Calibration
         raise LogError(f"{log.name}: {NO_COMMANDS}")
     times = step_times_of(log, step_times)
     sightings = sightings_of(log, times.t, times.origin is Origin.NOMINAL)
-    if float(sightings.jumps.mean()) > _TOO_MANY_JUMPS:
+    if float(sightings.jumps.mean()) > TOO_MANY_JUMPS:
         raise LogError(
             f"{log.name}: in {sightings.jumps.mean():.0%} of the rows robots would have driven"
             f" faster than their wheels turn, with {times}; give the time between rows with --dt,"

@@ -30,6 +30,8 @@ Floats = NDArray[np.float64]
 _FACTOR, _NEAR, _ASKEW = 1.5, 0.01, 0.2
 #: What a robot may have moved unseen beyond the way at full speed, m.
 _REACH = 0.03
+#: Share of the increments that may be jumps before the times or the units are to blame.
+TOO_MANY_JUMPS = 0.2
 #: As far as a robot drives in a stall, m.
 _STALLED = 1.0
 #: Equal rows from which on a pose is taken for a placeholder.
@@ -111,6 +113,8 @@ def sightings_of(log: Run, t: Floats, counted: bool = False) -> Sightings:
     jumps = _jumps(poses, np.diff(t), robot)
     stalls = _together(poses, jumps) & counted
     jumps = jumps & ~stalls[:, None]
+    if jumps.mean() > TOO_MANY_JUMPS:  # no robot's poses, in these units and at these times
+        return Sightings(~jumps, jumps, (), stalls, jumps & False)
     own = np.ones((len(t), log.robots), dtype=bool)
     unbelieved: list[Unbelieved] = []
     for n in range(log.robots):
@@ -170,15 +174,15 @@ def _strange(
         if kept is not None:
             own.append(kept)
 
-    def in_reach(last: int, first: int) -> bool:
-        way = np.linalg.norm(poses[first, :2, n] - poses[last, :2, n])
-        return bool(way <= speed * (t[first] - t[last]) + _REACH)
-
+    starts = np.array([stretch.start for stretch in own], dtype=int)
     last: int | None = None
     for number, stretch in enumerate(own):
-        if last is not None and not in_reach(last, stretch.start):
-            comes_back = any(in_reach(last, later.start) for later in own[number + 1 :])
-            if comes_back or _where_another_was(poses, stretch.start, n):
+        if last is not None:
+            later = starts[number:]
+            way = np.linalg.norm(poses[later, :2, n] - poses[last, :2, n], axis=1)
+            in_reach = way <= speed * (t[later] - t[last]) + _REACH
+            comes_back = bool(in_reach.any())
+            if not in_reach[0] and (comes_back or _where_another_was(poses, stretch.start, n)):
                 strange.append((stretch, Why.ELSEWHERE))
                 continue
         last = stretch.stop - 1

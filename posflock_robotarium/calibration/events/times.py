@@ -26,8 +26,8 @@ from numpy.typing import NDArray
 from scipy.stats import t as student
 
 from posflock_robotarium.calibration.estimate import Estimate
-from posflock_robotarium.calibration.event_lines import EventKey
-from posflock_robotarium.calibration.event_trials import Candidate, Heard
+from posflock_robotarium.calibration.events.lines import EventKey
+from posflock_robotarium.calibration.events.trials import Candidate, Heard
 from posflock_robotarium.calibration.identifiability import USEFUL, Kind
 from posflock_robotarium.flocking.errors import LogError
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from posflock_robotarium.calibration.event_lines import EventKey, events_in
+from posflock_robotarium.calibration.events.lines import EventKey, events_in
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.verify.fork_server import PRINTED
 from posflock_robotarium.verify.source import Source

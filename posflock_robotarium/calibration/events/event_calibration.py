@@ -7,9 +7,9 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from posflock_robotarium.calibration.event_lines import events_in
-from posflock_robotarium.calibration.event_times import EventFit, fit_events
-from posflock_robotarium.calibration.event_trials import (
+from posflock_robotarium.calibration.events.lines import events_in
+from posflock_robotarium.calibration.events.times import EventFit, fit_events
+from posflock_robotarium.calibration.events.trials import (
     Candidate,
     Heard,
     hear,
