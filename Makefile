@@ -88,8 +88,9 @@ bench-report: $(VENV)/.dev  ## estimators against truth; cost of an analysis ove
 bench-fuzz: $(VENV)/.dev  ## twenty thousand damaged files through the readers of logs
 	$(BIN)/python benchmarks/fuzz_readers.py
 
-bench-faults: $(VENV)/.dev  ## full disks under every command; two thousand files that are wrong in what they say
-	$(BIN)/python benchmarks/faults/full_disk.py
+bench-faults: $(VENV)/.dev  ## 500 kills, full disks under every command, 2,000 files that are wrong in what they say
+	$(BIN)/python benchmarks/faults_kills.py
+	$(BIN)/python benchmarks/faults_full_disk.py
 	$(BIN)/python benchmarks/fuzz_structures.py
 
 bench-machines: $(VENV)/.dev  ## how far runs of one seed drift apart from machine to machine

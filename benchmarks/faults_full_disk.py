@@ -8,7 +8,7 @@ from none to almost enough. Whatever it stops at, it must
 - leave under final names the earlier results as they were, or new ones that are whole;
 - leave no draft behind, and every finished row of a log or a store.
 
-    python benchmarks/faults/full_disk.py [--steps N] [--only COMMAND]
+    python benchmarks/faults_full_disk.py [--steps N] [--only COMMAND]
 """
 
 from __future__ import annotations
