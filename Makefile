@@ -13,7 +13,7 @@ export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
 .PHONY: demo test test-slow test-numpy1 test-portable coverage mutants lint bench bench-nine bench-rps bench-barriers bench-verify \
-	bench-report bench-fuzz bench-faults bench-paper bench-machines lock clean help
+	bench-report bench-fuzz bench-faults bench-paper bench-machines bench-reality lock clean help
 .DEFAULT_GOAL := help
 
 help:  ## this list
@@ -63,7 +63,7 @@ lint: $(VENV)/.dev  ## ruff, mypy --strict, import rules, docstrings
 	$(BIN)/lint-imports
 	$(BIN)/python tools/docstrings.py
 
-bench: bench-nine bench-rps bench-barriers bench-verify bench-report bench-fuzz bench-faults bench-paper bench-machines  ## every benchmark
+bench: bench-nine bench-rps bench-barriers bench-verify bench-report bench-fuzz bench-faults bench-paper bench-machines bench-reality  ## every benchmark
 
 bench-nine: $(VENV)/.dev  ## the nine-robot experiment against its acceptance table
 	$(BIN)/python benchmarks/nine_robots.py
@@ -101,8 +101,11 @@ bench-paper: $(VENV)/.dev  ## the paper's table over seeds, what flocks and swee
 	$(BIN)/python benchmarks/freespace_speed.py
 	$(BIN)/python benchmarks/sweep_throughput.py
 
+bench-reality: $(VENV)/.dev  ## predictions against real runs: REAL=folder of fetched repositories, else skipped
+	$(BIN)/python benchmarks/reality.py $(REAL)
+
 lock:  ## renew constraints.txt from the ranges in setup.cfg (needs uv)
-	uv pip compile --universal --python-version 3.10 --extra dev --no-annotate --no-header -q setup.cfg -o constraints.txt
+	uv pip compile --universal --python-version 3.10 --extra dev -c .ci/testbed.txt --no-annotate --no-header -q setup.cfg -o constraints.txt
 
 clean:  ## remove environments and results
 	rm -rf $(VENV) .venv-numpy1 .venv-testbed .venv-newest results build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .coverage .coverage.*

@@ -62,7 +62,7 @@ class DeadlockMonitor:
 
     def reset(self) -> None:
         """Forget for how long robots have been held."""
-        self._held = np.zeros(0)
+        self._held: FloatArray = np.zeros(0)
         self._stuck: BoolArray = np.zeros(0, dtype=bool)
 
     def stuck(self, number: int) -> BoolArray:

@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from barrier_certificates.ties import TIE
 from barrier_certificates.wall_distance import wall_distances
-from rps_compat.arena_guests import HearsSilence, Realism, Recorder
+from rps_compat.arena_guests import HearsSilence, KeepsTime, Realism, Recorder
 from rps_compat.errors import CommandError
 from rps_compat.testbed import GRITSBOT_X, RobotModel
 from rps_compat.violations import Violations
@@ -71,9 +71,9 @@ class Arena:
         Whether somebody has commanded since the last step: another array in `commands` is a
         command, and whoever writes into that array sets this.
     velocities : (2, N) array
-        Velocities really driven in the last step, m/s and rad/s.
+        Velocities really driven in the last step, m/s and rad/s: the way over the nominal time.
     wheel_velocities : (2, N) array
-        How fast the wheels really turned in it, left then right, rad/s.
+        How fast the wheels really turned in it, in the same sense, left then right, rad/s.
     steps : int
         Steps done.
     steps_to_start : int
@@ -96,6 +96,7 @@ class Arena:
         self.robot = robot
         self.realism = realism
         self._listener = cast(HearsSilence, realism) if hasattr(realism, "commanded") else None
+        self._timer = cast(KeepsTime, realism) if hasattr(realism, "parts") else None
         self.recorder = recorder
         self.commands: Array = np.zeros((2, robots))
         self.commanded = False
@@ -252,16 +253,14 @@ class Arena:
             self.recorder.append(self.time, self.observe(), self._for_all(commands))
         admitted = self.unicycle(wheels)
         fresh = self.is_commanded
-        self.commands = self._held = driven = admitted
+        self.commands = self._held = admitted
         self.commanded = False
-        if self.realism is not None:
-            if self._listener is not None:
-                self._listener.commanded = fresh
-            driven = self.realism.actuate(self._for_all(admitted), poses, self.time)
-            wheels = self.wheels(driven)
-        self.wheel_velocities = wheels
-        self.velocities = driven
-        self._drive(driven, cosine, sine)
+        if self.realism is None:
+            self.velocities, self.wheel_velocities = admitted, wheels
+            self._drive(admitted, self._time_step, cosine, sine)
+        else:
+            self.velocities = self._drive_really(self.realism, self._for_all(admitted), fresh)
+            self.wheel_velocities = self.wheels(self.velocities)
         self._observed = None
         self.steps += 1
         self.time = self.steps * robot.time_step
@@ -299,12 +298,28 @@ class Arena:
             close = np.flatnonzero(distances <= reach)
             self.violations.close(self.steps, i[close], j[close], distances[close])
 
-    def _drive(self, velocities: Array, cosine: Array, sine: Array) -> None:
+    def _drive_really(self, realism: Realism, commands: Array, fresh: bool) -> Array:
+        """Drive a step under imperfections; return the velocities (2, N) that it came to."""
+        nominal = self._robot.time_step
+        way = np.zeros(commands.shape)
+        for seconds in (nominal,) if self._timer is None else self._timer.parts():
+            if self._listener is not None:
+                self._listener.commanded = fresh
+            if self._timer is not None:
+                self._timer.seconds = seconds
+            driven = realism.actuate(commands, self.poses, self.time)
+            heading = self.poses[2]
+            self._drive(driven, np.array(seconds), np.cos(heading), np.sin(heading))
+            way += seconds / nominal * driven
+            fresh = False
+        return way
+
+    def _drive(self, velocities: Array, seconds: Array, cosine: Array, sine: Array) -> None:
         x, y, theta = self.poses
-        distance = self._time_step * velocities[0]
+        distance = seconds * velocities[0]
         x += distance * cosine
         y += distance * sine
-        theta += self._time_step * velocities[1]
+        theta += seconds * velocities[1]
         turned = np.abs(theta)
         if turned[turned.argmax()] > _WRAPPED_BEYOND:
             np.arctan2(np.sin(theta), np.cos(theta), out=theta)

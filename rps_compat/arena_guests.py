@@ -1,11 +1,12 @@
 """Who may be handed to an arena, and what each has to be able to do.
 
 A :class:`Realism` stands between command and motion and between pose and measurement. It may care
-when commands stop (:class:`HearsSilence`). A :class:`Recorder` is told of every step, whatever the
-script does.
+when commands stop (:class:`HearsSilence`), and how long a step really lasts (:class:`KeepsTime`). A
+:class:`Recorder` is told of every step, whatever the script does.
 """
 
 from abc import abstractmethod
+from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
@@ -76,6 +77,25 @@ class HearsSilence(Protocol):
     """
 
     commanded: bool
+
+
+class KeepsTime(Protocol):
+    """A realism whose steps do not last as long as they should.
+
+    Attributes
+    ----------
+    seconds
+        Set by the arena before it asks for velocities: for how long they will be driven.
+    """
+
+    seconds: float
+
+    @abstractmethod
+    def parts(self) -> Sequence[float]:
+        """Return the seconds of the parts in which the coming step is driven, one after the other.
+
+        Velocities are asked for anew in each; commands are new in the first only.
+        """
 
 
 class Recorder(Protocol):

@@ -6,6 +6,7 @@ numbers and returns a function of one step, in which all that a run remembers li
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,10 +36,10 @@ class CommandLoss(MotorEffect):
         """Start with robots that stand still and have heard nothing."""
         held, silence = np.zeros((2, robots)), np.zeros(robots)
 
-        def lose(velocities: Array, age: Array) -> Array:
+        def lose(velocities: Array, age: Array, seconds: float) -> Array:
             arrived = (age == 0) & (rng.random(robots) >= self.probability)
             held[:, arrived] = velocities[:, arrived]
-            silence[:] = np.where(arrived, 0.0, silence + time_step)
+            silence[:] = np.where(arrived, 0.0, silence + seconds)
             age[:] = silence
             out: Array = held.copy()
             return out
@@ -64,7 +65,7 @@ class Watchdog(MotorEffect):
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
         """Start with no silence."""
 
-        def brake(velocities: Array, age: Array) -> Array:
+        def brake(velocities: Array, age: Array, seconds: float) -> Array:
             silent = reached(age, self.seconds)
             return _stopped(velocities, silent)
 
@@ -76,7 +77,7 @@ class DeadTime(MotorEffect):
     """A command takes effect only some time after it was given.
 
     The delay is any number of seconds: in the step in which a command takes over, old and new
-    share the step in proportion.
+    share the step in proportion to their times in it.
 
     Attributes
     ----------
@@ -96,21 +97,22 @@ class DeadTime(MotorEffect):
 
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
         """Draw each robot's dead time; the past is standing still."""
-        steps = self.seconds.draw(robots, rng) / time_step
-        length = int(np.ceil(steps.max(initial=0.0) * self.by_speed.largest)) + 2
+        late = self.seconds.draw(robots, rng)
+        most = float(late.max(initial=0.0)) * self.by_speed.largest
+        # Enough where steps are half as long as they should be; beyond, the oldest goes on.
+        length = 2 * math.ceil(most / time_step) + 2
         past = np.zeros((length, 2, robots))
-        now, each = -1, np.arange(robots)
+        ages = np.full((length + 1, 1), np.inf)  # how long ago each began, and the last one ended
+        ages[-1] = 0.0
 
-        def delay(velocities: Array, age: Array) -> Array:
-            nonlocal now
-            now = (now + 1) % length
-            past[now] = velocities
-            late = steps * self.by_speed(np.abs(velocities[0]))
-            whole = late.astype(int)
-            share = late - whole
-            newer = past[(now - whole) % length, :, each].T
-            older = past[(now - whole - 1) % length, :, each].T
-            out: Array = share * older + (1 - share) * newer
+        def delay(velocities: Array, age: Array, seconds: float) -> Array:
+            past[:-1], past[-1] = past[1:], velocities
+            ages[1:-2] = ages[2:-1] + seconds
+            ages[-2] = seconds
+            behind = late * self.by_speed(np.abs(velocities[0]))
+            # What acts now was commanded from `behind` + seconds until `behind` ago.
+            held = np.minimum(ages[:-1], behind + seconds) - np.maximum(ages[1:], behind)
+            out: Array = np.einsum("kn,kcn->cn", np.maximum(held, 0.0) / seconds, past)
             return out
 
         return delay
@@ -138,7 +140,7 @@ class DeadBand(MotorEffect):
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
         """Return what one step does; there is nothing to remember."""
 
-        def rest(velocities: Array, age: Array) -> Array:
+        def rest(velocities: Array, age: Array, seconds: float) -> Array:
             off = short_of(np.abs(velocities[0]), self.speed) & short_of(
                 np.abs(velocities[1]), self.turn
             )

@@ -168,12 +168,12 @@ def constant(value: float) -> RobotDistribution:
 
 @dataclass(frozen=True)
 class Curve:
-    """A factor that depends on a speed: linear between points, constant beyond; empty is 1.
+    """A positive value that depends on another: linear between points, constant beyond; empty is 1.
 
     Attributes
     ----------
-    points : tuple of (speed, factor)
-        Speeds rising.
+    points : tuple of (float, float)
+        At what, rising, and the value there: a speed and a factor, a share and seconds.
     """
 
     points: tuple[tuple[float, float], ...] = ()
@@ -182,8 +182,8 @@ class Curve:
         if not self.points:
             return
         speeds, factors = np.array(self.points).T
-        require(bool((np.diff(speeds) > 0).all()), "curve", self.points, "rising speeds")
-        require(bool((factors > 0).all()), "curve", self.points, "factors above 0")
+        require(bool((np.diff(speeds) > 0).all()), "curve", self.points, "rising first numbers")
+        require(bool((factors > 0).all()), "curve", self.points, "values above 0")
         require(bool(np.isfinite(self.points).all()), "curve", self.points, "finite numbers")
 
     @property

@@ -7,6 +7,7 @@ filter's state) lives in that function and a profile can be used for any number 
 
 from __future__ import annotations
 
+import math
 from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -20,9 +21,9 @@ from rps_compat.distributions import FLAT, ONE, Curve, RobotDistribution, requir
 from rps_compat.testbed import GRITSBOT_X
 
 Array = NDArray[np.float64]
-#: Takes commands (2, N) and each robot's seconds since its last command (N,), which it may
-#: change in place; gives the commands (2, N) handed on.
-MotorStage = Callable[[Array, Array], Array]
+#: Takes commands (2, N), each robot's seconds since its last command (N,), which it may change in
+#: place, and for how many seconds they are driven; gives the commands (2, N) handed on.
+MotorStage = Callable[[Array, Array, float], Array]
 
 #: The GTernal firmware switches its motors off below both.
 OFF_SPEED, OFF_TURN = 1e-4, 0.01
@@ -40,15 +41,15 @@ class MotorEffect(Protocol):
         robots : int
             Number of robots, N.
         time_step : float
-            Duration of a step, s.
+            Nominal duration of a step, s.
         rng : Generator
             Where this effect draws from, now and in every step.
 
         Returns
         -------
         callable
-            From velocities (2, N), m/s and rad/s, and the age of each command (N,), s, to the
-            velocities after this effect.
+            From velocities (2, N), m/s and rad/s, the age of each command (N,), s, and the time
+            for which they are driven, s, to the velocities after this effect, on average over it.
         """
 
 
@@ -77,7 +78,7 @@ class Gains(MotorEffect):
         """Draw each robot's two gains."""
         speed, turn = self.speed.draw(robots, rng), self.turn.draw(robots, rng)
 
-        def scale(velocities: Array, age: Array) -> Array:
+        def scale(velocities: Array, age: Array, seconds: float) -> Array:
             out = np.empty_like(velocities)
             out[0] = speed * self.by_speed(np.abs(velocities[0])) * velocities[0]
             out[1] = turn * self.by_turn(np.abs(velocities[1])) * velocities[1]
@@ -111,8 +112,8 @@ class Lag(MotorEffect):
         base = self.seconds.draw(robots, rng)
         state = np.zeros((2, robots))
 
-        def follow(velocities: Array, age: Array) -> Array:
-            ratio = np.maximum(base * self.by_speed(np.abs(velocities[0])) / time_step, 1e-9)
+        def follow(velocities: Array, age: Array, seconds: float) -> Array:
+            ratio = np.maximum(base * self.by_speed(np.abs(velocities[0])) / seconds, 1e-9)
             left = np.exp(-1 / ratio)
             gap = state - velocities
             state[:] = velocities + left * gap
@@ -140,12 +141,13 @@ class WheelSlew(MotorEffect):
     def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> MotorStage:
         """Start at rest."""
         # Both wheels, times R: v ∓ ω L/2.
-        change = self.limit * time_step * GRITSBOT_X.wheel_radius
+        most = self.limit * GRITSBOT_X.wheel_radius
         half = GRITSBOT_X.base_length / 2
         rim = np.zeros((2, robots))
 
-        def slew(velocities: Array, age: Array) -> Array:
+        def slew(velocities: Array, age: Array, seconds: float) -> Array:
             v, w = velocities[0], half * velocities[1]
+            change = most * seconds
             rim[:] += np.clip(np.stack([v - w, v + w]) - rim, -change, change)
             return np.stack([(rim[0] + rim[1]) / 2, (rim[1] - rim[0]) / (2 * half)])
 
@@ -168,7 +170,7 @@ class TurnBias(MotorEffect):
         """Draw each robot's bias."""
         rate = self.rate.draw(robots, rng)
 
-        def turn(velocities: Array, age: Array) -> Array:
+        def turn(velocities: Array, age: Array, seconds: float) -> Array:
             out: Array = velocities.copy()
             out[1] += np.where(_on(velocities), rate, 0.0)
             return out
@@ -183,7 +185,8 @@ class Disturbance(MotorEffect):
     Attributes
     ----------
     speed, turn : float
-        Standard deviations per step, m/s and rad/s.
+        Standard deviations per nominal step, m/s and rad/s; over a shorter time, in proportion to
+        its inverse square root, they are larger.
     """
 
     speed: float = 0.0
@@ -197,9 +200,10 @@ class Disturbance(MotorEffect):
         """Return what one step does; nothing is drawn before the first."""
         scale = np.array([[self.speed], [self.turn]])
 
-        def disturb(velocities: Array, age: Array) -> Array:
-            noise = scale * rng.standard_normal((2, robots))
-            return velocities + np.where(_on(velocities), noise, 0.0)
+        def disturb(velocities: Array, age: Array, seconds: float) -> Array:
+            noise = math.sqrt(time_step / seconds) * scale * rng.standard_normal((2, robots))
+            out: Array = velocities + np.where(_on(velocities), noise, 0.0)
+            return out
 
         return disturb
 

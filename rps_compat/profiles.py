@@ -44,7 +44,9 @@ from rps_compat.distributions import (
 from rps_compat.realism import EFFECTS, Profile
 
 #: Profiles that come with the package, mildest first.
-NAMES = ("ideal", "gritsbot_x", "harsh")
+NAMES = ("ideal", "gritsbot_x", "gternal", "harsh")
+#: Those of the robots that each generation of the testbed has.
+OF_GENERATION = {1: "gritsbot_x", 2: "gternal"}
 #: Beyond this no entry of a profile means anything; in SI units, as all are.
 LARGEST = 1e6
 #: Distributions that are told by name; a constant is told by its number alone.
@@ -52,7 +54,7 @@ _NAMED = tuple(kind for kind in DistributionKind if kind is not DistributionKind
 
 
 def load_profile(name: str | Path) -> Profile:
-    """Return a profile by name (``ideal``, ``gritsbot_x``, ``harsh``) or from a TOML file.
+    """Return a profile by name (one of `NAMES`) or from a TOML file.
 
     Parameters
     ----------
@@ -82,13 +84,37 @@ def load_profile(name: str | Path) -> Profile:
     return profile_from_toml(text, str(path))
 
 
+def chosen_profile(wanted: Profile | str | Path | None, generation: int) -> Profile:
+    """Return the profile that somebody wants, or that of the robots of a generation.
+
+    Parameters
+    ----------
+    wanted : Profile, name, path or None
+        As for `load_profile`; None leaves it to the generation.
+    generation : int
+        Of the testbed: 1 or 2.
+
+    Raises
+    ------
+    ProfileError
+        Where the profile is not one, or there is no such generation.
+    """
+    if isinstance(wanted, Profile):
+        return wanted
+    if wanted is not None:
+        return load_profile(wanted)
+    if generation not in OF_GENERATION:
+        raise ProfileError(f"generation: expected 1 or 2, got {generation}")
+    return load_profile(OF_GENERATION[generation])
+
+
 def profile_text(name: str) -> str:
     """Return the TOML text of a named profile, for a user to copy and edit.
 
     Parameters
     ----------
     name : str
-        ``ideal``, ``gritsbot_x`` or ``harsh``.
+        One of `NAMES`.
     """
     return (resources.files("rps_compat") / "profiles" / f"{name}.toml").read_text("utf-8")
 

@@ -6,7 +6,7 @@ dataclass. :class:`Profile` is a set of them, at most one of a kind, and its :me
 makes the object that an :class:`~rps_compat.arena.Arena` takes as ``realism``. The commands of a
 step pass the motor effects in this order,
 
-    command loss → watchdog → dead time → motor dead band → gains → lag → wheel slew
+    clock → command loss → watchdog → dead time → motor dead band → gains → lag → wheel slew
     → turn bias → disturbance,
 
 and poses pass heading offset → tracking jitter → tracking dropout.
@@ -53,7 +53,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from rps_compat.arena_guests import HearsSilence, Realism
+from rps_compat.arena_guests import HearsSilence, KeepsTime, Realism
 from rps_compat.command_effects import CommandLoss, DeadBand, DeadTime, Watchdog
 from rps_compat.distributions import ProfileError
 from rps_compat.motor_effects import (
@@ -65,6 +65,7 @@ from rps_compat.motor_effects import (
     TurnBias,
     WheelSlew,
 )
+from rps_compat.step_times import Clock, StepTimes
 from rps_compat.tracking_effects import (
     HeadingOffset,
     TrackingDropout,
@@ -74,6 +75,7 @@ from rps_compat.tracking_effects import (
 
 __all__ = [
     "EFFECTS",
+    "Clock",
     "CommandLoss",
     "DeadBand",
     "DeadTime",
@@ -101,6 +103,8 @@ class Profile:
         What reports call it.
     about : str
         Where its numbers come from.
+    clock : Clock, optional
+        Steps that do not take the time that they should.
     command_loss : CommandLoss, optional
         Commands that do not arrive.
     watchdog : Watchdog, optional
@@ -129,6 +133,7 @@ class Profile:
 
     name: str = "ideal"
     about: str = "No imperfection: identical to the published simulators."
+    clock: Clock | None = None
     command_loss: CommandLoss | None = None
     watchdog: Watchdog | None = None
     dead_time: DeadTime | None = None
@@ -192,7 +197,7 @@ def _require_effects(names: tuple[str, ...]) -> None:
             )
 
 
-class Imperfections(Realism, HearsSilence):
+class Imperfections(Realism, HearsSilence, KeepsTime):
     """One run under a profile: the arena's ``realism``.
 
     The same profile and generator give the same run, and an effect's draws do not depend on
@@ -207,41 +212,54 @@ class Imperfections(Realism, HearsSilence):
     ----------
     commanded : bool
         Whether there was a command since the last step; the arena sets it before each step, and
-        the watchdog counts the steps for which it is False.
+        the watchdog counts the time for which it is False.
+    seconds : float
+        For how long the velocities asked for are driven; the arena sets it before each part.
     """
 
     def __init__(self, profile: Profile) -> None:
         self.profile = profile
         self.commanded = True
+        self.seconds = 0.0
+        self._times: StepTimes = tuple
         self._motors: list[MotorStage] = []
         self._tracking: list[TrackingStage] = []
         self._speeds = np.zeros(0)
         self._age = np.zeros(0)
-        self._time_step = 0.0
+        self._before = 0.0  # seconds of the part before
 
     def reset(self, poses: Array, time_step: float, rng: np.random.Generator) -> None:
         """Begin a run."""
         robots = poses.shape[1]
         root = int(rng.integers(2**63))
-        self._time_step = time_step
+        self.seconds = self._before = time_step
+        self._times = lambda: (time_step,)
         self._speeds, self._age = np.zeros(robots), np.zeros(robots)
         self._motors, self._tracking = [], []
         for name in self.profile.effects:
             effect = getattr(self.profile, name)
             stream = np.random.default_rng([root, zlib.crc32(name.encode())])
-            stages = self._tracking if name in _TRACKING else self._motors
-            stages.append(effect.begin(robots, time_step, stream))
+            begun = effect.begin(robots, time_step, stream)
+            if name == "clock":
+                self._times = begun
+            else:
+                (self._tracking if name in _TRACKING else self._motors).append(begun)
+
+    def parts(self) -> tuple[float, ...]:
+        """Return the seconds of the parts in which the coming step is driven."""
+        return self._times()
 
     def actuate(self, velocities: Array, poses: Array, time: float) -> Array:
-        """Return the velocities that the robots really drive in this step."""
+        """Return the velocities that the robots really drive, on average over `seconds`."""
         if self.commanded:
             self._age[:] = 0.0
         else:
-            self._age += self._time_step
+            self._age += self._before
+        self._before = self.seconds
         age = self._age.copy()
         driven = velocities
         for stage in self._motors:
-            driven = stage(driven, age)
+            driven = stage(driven, age, self.seconds)
         self._speeds = np.abs(driven[0])
         return driven
 

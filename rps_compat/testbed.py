@@ -65,7 +65,5 @@ TIME_STEP = GTERNAL.time_step
 WATCHDOG = 0.5
 #: Advice for the distance of two robots' centres, metres.
 SPACING = 0.15
-#: Driving to the initial conditions took this long in ten published runs: least, median, most.
-INITIAL_DRIVE = (34.0, 91.0, 192.0)
 #: Violations of a kind beyond which the published verifiers refuse a script.
 TOLERATED_VIOLATIONS = 100

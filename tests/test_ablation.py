@@ -8,9 +8,10 @@ import pytest
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.verify import ablate
 from posflock_robotarium.verify.ablation import EFFECT_TRIALS
+from posflock_robotarium.verify.findings import wilson_interval
 from posflock_robotarium.verify.trials import Ran, TrialRoom
 from rps_compat.distributions import ProfileError
-from rps_compat.profiles import load_profile
+from rps_compat.profiles import chosen_profile
 from rps_compat.report import Fault, RunReport
 from rps_compat.running.outcome import Ended, Gap, Outcome
 from rps_compat.violations import FaultKind
@@ -66,13 +67,13 @@ def test_each_imperfection_has_the_trials_that_were_asked_for_each_with_its_seed
         own = [plan for plan in plans if plan.name.startswith(f"{effect}-")]
         assert [plan.seed for plan in own] == list(range(20, 20 + trials))
         assert {plan.initial for plan in own} == {"arrive"}
-        under = set(load_profile("gritsbot_x").effects) if effect == "all" else {effect}
+        under = set(chosen_profile(None, 2).effects) if effect == "all" else {effect}
         assert all(plan.profile.keys() - {"name", "about"} == under for plan in own)
 
 
 def test_where_nobody_says_every_imperfection_of_the_profile_runs_five_times(ablated):
     rows, plans = ablated()
-    assert [row.effect for row in rows] == [*load_profile("gritsbot_x").effects, "all"]
+    assert [row.effect for row in rows] == [*chosen_profile(None, 2).effects, "all"]
     assert {row.trials for row in rows} == {EFFECT_TRIALS} == {5}
     assert {plan.seed for plan in plans} == set(range(5))
 
@@ -98,6 +99,7 @@ def test_each_row_counts_its_own_trials(ablated):
     assert rows[0].gap == 0.1
     assert rows[1].gap is None
     assert rows[2].gap == 0.3
+    assert rows[2].interval == wilson_interval(2, 3)
 
 
 def test_every_end_is_told_with_how_many_there_are(ablated):

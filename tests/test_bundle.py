@@ -80,7 +80,7 @@ def test_a_bundle_is_flat_and_complete(script, tmp_path):
         assert (tmp_path / "up" / name).read_bytes() == (home / origin).read_bytes()
     text = (tmp_path / "up" / INSTRUCTIONS).read_text()
     assert "| Number of robots | 3 |" in text
-    assert "300 s" in text
+    assert "180 s" in text
     assert read_manifest(tmp_path / "up").main == "main_script.py"
 
 

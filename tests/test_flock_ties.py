@@ -16,8 +16,11 @@ from posflock_robotarium.freespace.neighbour_search import neighbour_pairs
 from posflock_robotarium.freespace.sensing import Sensing, Sensors
 from posflock_robotarium.freespace.simulation import FreeSpace
 from posflock_robotarium.report import Run, analyse
+from posflock_robotarium.verify.data_files import Readable
+from posflock_robotarium.verify.findings import Verdict
+from posflock_robotarium.verify.initial_drive_time import predicted_drive
 from posflock_robotarium.verify.judge import Runs, judge
-from posflock_robotarium.verify.timing import recommended_duration
+from posflock_robotarium.verify.timing import judge_duration, recommended_duration
 from posflock_robotarium.verify.trials import Ran
 from rps_compat import testbed
 from rps_compat.arena import Arena
@@ -139,7 +142,7 @@ def outcome(**values):
 
 
 def codes(ideal, drive=None, declared=None):
-    ran = Ran(ideal, Path(), {})
+    ran = Ran(ideal, Path(), {"log.npy": Readable(100, True, 10, "digest")})
     return [f.code for f in judge(Runs(ran, drive=drive), [], declared)]
 
 
@@ -162,10 +165,13 @@ def test_whether_a_drive_reaches_a_start_too_close_is_not_judged():
 
 
 def test_a_run_that_just_fits_fits():
-    longest_drive = testbed.INITIAL_DRIVE[2]
-    for clock in neighbours_of(300.0 - longest_drive):
+    drive = predicted_drive(2)
+    for clock in neighbours_of(300.0 - drive.most):
         assert codes(outcome(clock=float(clock)), declared=300.0) == []
-        assert recommended_duration(float(clock)) == 300.0
+        assert recommended_duration(float(clock), drive) == 300.0
+    for clock in neighbours_of(300.0 + testbed.TIME_STEP):
+        (found,) = judge_duration(outcome(clock=float(clock)), drive, 300.0, False)
+        assert found.verdict is Verdict.RISK
 
 
 def test_robots_may_be_silent_for_less_than_half_a_second():

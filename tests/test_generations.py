@@ -297,6 +297,7 @@ def test_names_that_stop_a_script(source, generation, told):
         "class call_at:\n    def call_at_scripts_end(self): pass\ndef f(x):\n"
         "    x.call_at_scripts_end()",
         "at_pose = 3\nprint(at_pose)",
+        "from rps.utilities import misc\nprint(misc.__name__, misc.__file__)",
     ],
 )
 def test_names_that_stop_nothing(source):

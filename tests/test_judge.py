@@ -7,7 +7,7 @@ import pytest
 
 from posflock_robotarium.verify.data_files import Readable
 from posflock_robotarium.verify.findings import Code, Finding, Verdict
-from posflock_robotarium.verify.judge import Runs, judge
+from posflock_robotarium.verify.judge import Runs, drive_time, judge
 from posflock_robotarium.verify.trials import Ran
 from rps_compat import testbed
 from rps_compat.report import Fault, RunReport
@@ -47,11 +47,11 @@ def ran(data=None, **changes):
 
 
 def judged(ideal=None, trials=(), known=(), drive=None, interrupted=None, killed=None, **options):
-    """Return the codes found, with how bad each is, in their order."""
+    """Return the codes found, with how bad each is, in their order; that of no data left out."""
     declared, counted = options.get("declared"), options.get("counted", False)
     runs = Runs(ideal or ran(), tuple(trials), drive, interrupted, killed)
     found = judge(runs, known, declared, counted)
-    return [(finding.code.value, finding.verdict.name) for finding in found]
+    return [(f.code.value, f.verdict.name) for f in found if f.code is not Code.NOTHING_SAVED]
 
 
 def seen(code):
@@ -135,10 +135,49 @@ def test_the_drive_and_the_interrupted_runs_are_asked():
 
 def test_a_declared_duration_is_what_counts():
     assert judged(ran(clock=300.0)) == []
-    assert judged(ran(clock=300.0), declared=310.0) == [("duration", "FAIL")]
+    assert judged(ran(clock=300.0), declared=400.0) == []
+    assert judged(ran(clock=300.0), declared=310.0) == [("duration", "RISK")]
+    assert judged(ran(clock=300.0), declared=290.0) == [("duration", "FAIL")]
     assert judged(ran(clock=300.0, ended=Ended.OVER_TIME), declared=300.0, counted=True) == [
         ("duration", "FAIL")
     ]
+
+
+def test_a_run_that_fits_but_for_its_drive_is_a_risk_and_a_step_is_none():
+    """7273 steps of 33 ms are 240.009 s: what was declared as 240 s is not too short for that."""
+    for seconds in (240.0, 240.009):
+        (found,) = judge(Runs(ran("a", clock=seconds)), [], 240.0)
+        assert found.verdict is Verdict.RISK
+        assert "it fits the 240 s that are declared except for the drive" in found.message
+    (found,) = judge(Runs(ran("a", clock=241.0)), [], 240.0)
+    assert found.verdict is Verdict.FAIL
+
+
+def test_a_drive_that_takes_long_in_the_simulator_takes_no_less_in_reality():
+    slow = outcome(ended=Ended.STOPPED, time=120.0)
+    assert judged(ran(clock=200.0), declared=310.0, drive=slow) == [("duration", "RISK")]
+    assert drive_time(Runs(ran(), drive=slow)).least == 120.0
+    assert drive_time(Runs(ran(), drive=outcome(ended=Ended.FAILED, time=600.0))).most < 120.0
+
+
+def test_wheels_and_stalls_are_judged_by_the_worst_trial():
+    faults = [fault("actuator", worst=20.0)]
+    saturated = ran(reports=(report_of(faults=faults, wheels=690),), seed=3)
+    assert judged(trials=[ran(), saturated]) == [("actuator", "RISK")]
+    (found,) = judge(Runs(ran("a"), (ran(), saturated)), [])
+    assert "in 690 steps in the trial with seed 3, 0 in the ideal run" in found.message
+    stalled = ran(loop=replace(QUICK, longest=0.6, at=2.0))
+    assert judged(trials=[ran(), stalled]) == [("watchdog", "RISK")]
+    # One busy trial makes no slow loop; most of them do.
+    assert judged(trials=[ran(loop=SLOW), ran(), ran()]) == []
+    assert judged(trials=[ran(loop=SLOW), ran(loop=SLOW)]) == [("slow-loop", "RISK")]
+
+
+def test_a_run_that_leaves_no_file_is_told_what_comes_back():
+    (found,) = judge(Runs(ran()), [])
+    assert (found.code, found.verdict) == (Code.NOTHING_SAVED, Verdict.NOTE)
+    assert judge(Runs(ran("a")), []) == []
+    assert Code.NOTHING_SAVED not in [f.code for f in judge(Runs(ran(ended=Ended.OVER_TIME)), [])]
 
 
 def test_what_the_source_said_is_not_told_twice():
@@ -170,7 +209,7 @@ def test_only_a_run_that_ended_by_itself_misses_its_finishing_call():
 
 @pytest.mark.parametrize(("generation", "call"), [(1, "call_at_scripts_end()"), (2, "debug()")])
 def test_the_finishing_call_is_that_of_the_generation(generation, call):
-    (found,) = judge(Runs(ran(generation=generation, finishing_call=False)), [])
+    (found,) = judge(Runs(ran("a", generation=generation, finishing_call=False)), [])
     assert f"without having called {call}" in found.message
     assert found.advice == f"end the script with r.{call}"
 

@@ -32,7 +32,7 @@ def run(*arguments):
     ],
 )
 def test_exit_codes_say_the_verdict(script, code, verdict, tmp_path):
-    done = run("verify", ZOO / script, "-n", 0, "-o", tmp_path / "out")
+    done = run("verify", ZOO / script, "-n", 1, "-o", tmp_path / "out")
     assert done.exit_code == code
     assert done.output.startswith(verdict)
     assert {path.name for path in (tmp_path / "out").iterdir()} == {"verify.json", "verify.html"}
@@ -41,9 +41,9 @@ def test_exit_codes_say_the_verdict(script, code, verdict, tmp_path):
 @pytest.mark.parametrize(
     ("declared", "words"),
     [
-        ((), "declare 200 s"),
-        (("-d", 300), "declare 200 s; you will declare 300 s, which is enough"),
-        (("-d", 150), "declare 200 s; you will declare 150 s, which may be too short"),
+        ((), "declare 80 s"),
+        (("-d", 300), "declare 80 s; you will declare 300 s, which is enough"),
+        (("-d", 50), "declare 80 s; you will declare 50 s, which may be too short"),
     ],
 )
 def test_the_duration_to_declare_is_said_in_whole_sentences(declared, words):
@@ -51,7 +51,7 @@ def test_the_duration_to_declare_is_said_in_whole_sentences(declared, words):
     said = run("verify", script, "-n", 1, *declared).stdout
     assert " ".join(said.split()).count("1 trial under") == 1
     (line,) = [line for line in said.splitlines() if line.strip().startswith("duration ")]
-    assert line.endswith(f"(median 91): {words}")
+    assert line.endswith(f"(median 26): {words}")
 
 
 def test_a_script_that_cannot_be_read_is_an_error_and_no_verdict():
@@ -108,7 +108,7 @@ def test_a_bundle_says_what_to_enter(tmp_path):
     done = run("bundle", script, "-o", tmp_path / "up", "--json")
     said = json.loads(done.stdout)
     assert set(said["files"]) == {"local_helper.py", "zoo_helper.py"}
-    assert (said["robots"], said["duration"]) == (2, 200.0)
+    assert (said["robots"], said["duration"]) == (2, 80.0)
     assert said["warnings"] == []
 
 

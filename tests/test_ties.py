@@ -141,10 +141,10 @@ def test_motors_take_commands_at_the_dead_band_and_brake_when_time_is_up():
     rng = np.random.default_rng(0)
     band = DeadBand(speed=0.01, turn=0.1).begin(1, 0.033, rng)
     for command in neighbours_of([[0.01], [0.0]]):
-        assert band(command, np.zeros(1))[0, 0] == pytest.approx(0.01)
+        assert band(command, np.zeros(1), 0.033)[0, 0] == pytest.approx(0.01)
     dog = Watchdog(0.5).begin(1, 0.1, rng)
     for age in neighbours_of([0.1 + 0.1 + 0.1 + 0.1 + 0.1]):
-        assert not dog(np.array([[0.1], [0.0]]), age).any()
+        assert not dog(np.array([[0.1], [0.0]]), age, 0.1).any()
 
 
 # The API: which way, who, how many.

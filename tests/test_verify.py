@@ -96,6 +96,13 @@ def test_the_nine_robot_experiment_passes_unchanged():
     assert report.figures.robots == 9
 
 
+def test_the_ideal_simulator_alone_lets_nothing_pass(fork_server):
+    report = examine(SOUND[0], 0, fork_server)
+    assert report.exit_code == 1
+    assert [f.code for f in report.findings if f.verdict is Verdict.RISK] == [Code.NO_TRIALS]
+    assert report.figures.collisions is None
+
+
 def test_nothing_is_left_behind_by_scripts_that_write_elsewhere():
     assert not (Path.home() / "posflock-zoo.npy").exists()
 
@@ -162,12 +169,13 @@ def test_a_library_that_only_this_machine_lacks_is_no_fault_of_the_script(
 
 
 def test_a_report_is_the_same_data_in_json_and_html(tmp_path, fork_server):
-    report = examine(ZOO / "faulty" / "head_on_collision.py", 2, fork_server)
+    script = ZOO / "faulty" / "head_on_collision.py"
+    report = verify(script, trials=2, profile="gritsbot_x", limits=LIMITS, server=fork_server)
     data, page = write_report(report, tmp_path / "out")
     said = json.loads(data.read_text())
     assert said["schema"] == "posflock verify 1"
     assert said["verdict"] == "FAIL"
-    assert [f["code"] for f in said["findings"]] == ["collision"]
+    assert [f["code"] for f in said["findings"]] == ["collision", "nothing-saved"]
     assert said["findings"][0]["robots"] == [0, 1]
     assert said["figures"]["collision_runs"]["hits"] == 2
     assert len(said["trials"]) == 3
@@ -265,7 +273,7 @@ def test_the_zoo_has_every_kind_of_defect():
     # hostile scripts, the others need a broken machine.
     assert set(Code) - found <= {
         "local-module", "stand-in", "shadowed-name", "no-step", "internal", "removed-later",
-        "disk",
+        "disk", "no-trials", "nothing-saved",
     }  # fmt: skip
     assert len(FAULTY) >= 15
     assert len(SOUND) >= 10

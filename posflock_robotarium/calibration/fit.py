@@ -212,7 +212,7 @@ class Fit:
         return (shape[0] if free[_DEAD_TIME] else 0.0), (shape[1] if free[_LAG] else LEAST_LAG)
 
     def _best_of_grid(self) -> tuple[float, float]:
-        grid = [(d, t) for d in np.arange(0.0, 0.5, 0.05) for t in (0.02, 0.1, 0.2, 0.35)]
+        grid = [(0.05 * k, lag) for k in range(10) for lag in (0.02, 0.1, 0.2, 0.35)]
         shapes = dict.fromkeys(self._admitted(shape) for shape in [self.shape, *grid])
         return min(shapes, key=lambda shape: float(np.square(self._residual(shape)).sum()))
 

@@ -47,7 +47,7 @@ def hidden_stalls(fit: Fit, suspected: Flags) -> dict[int, float]:
         seen += np.bincount(fit.row, (did / sigma) ** 2, rows)
         both += np.bincount(fit.row, did * predicted / sigma**2, rows)
         told += np.bincount(fit.row, (predicted / sigma) ** 2, rows)
-    told = np.maximum(told, 1e-300)
+    told += 1e-300  # where nothing was predicted
     factor = both / told
     explained = both * factor >= _EXPLAINED * seen
     out = (factor > _LONGER) & ((factor - 1) * np.sqrt(told) > _DEVIATIONS) & explained

@@ -71,7 +71,7 @@ def rehearse(
     folder: options.Bundled,
     out: options.ReturnFolder = Path("rehearsal"),
     duration: options.DeclaredDuration = MAX_DURATION,
-    profile: options.Profile = "gritsbot_x",
+    profile: options.TestbedProfile = None,
     seed: options.TestbedSeed = 0,
     generation: options.Generation = 2,
     initial: options.TestbedInitial = "arrive",

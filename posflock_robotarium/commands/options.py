@@ -13,7 +13,15 @@ import typer
 
 Script = Annotated[Path, typer.Argument(help="The experiment's main file.", show_default=False)]
 Profile = Annotated[
-    str, typer.Option(help="Imperfections: ideal, gritsbot_x, harsh, or a TOML file.")
+    str, typer.Option(help="Imperfections: ideal, gritsbot_x, gternal, harsh, or a TOML file.")
+]
+TestbedProfile = Annotated[
+    str | None,
+    typer.Option(
+        "--profile",
+        help="Imperfections: ideal, gritsbot_x, gternal, harsh, or a TOML file. Default: those of "
+        "the generation's robots, gritsbot_x for 1 and gternal for 2.",
+    ),
 ]
 Workers = Annotated[int | None, typer.Option(min=1, help="Processes; by default one a processor.")]
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 def verify(
     script: options.Script,
     trials: options.Trials = None,
-    profile: options.Profile = "gritsbot_x",
+    profile: options.TestbedProfile = None,
     duration: options.Declared = None,
     generation: options.TestbedGeneration = 2,
     seed: options.FirstSeed = 0,
@@ -124,7 +124,7 @@ def _print_ablation(rows: list["Ablation"], console: "Console", as_json: bool) -
     if as_json:
         import json
 
-        say(json.dumps([asdict(row) for row in rows], indent=1))
+        say(json.dumps([asdict(row) | {"interval": row.interval} for row in rows], indent=1))
         return
     from posflock_robotarium.verify.terminal import print_ablation
 
@@ -148,7 +148,9 @@ def _print_report(report: "Report", out: Path | None, console: "Console", as_jso
 
 
 def profile(
-    name: Annotated[str, typer.Argument(help="ideal, gritsbot_x or harsh.")] = "gritsbot_x",
+    name: Annotated[
+        str, typer.Argument(help="ideal, gritsbot_x, gternal or harsh.")
+    ] = "gritsbot_x",
 ) -> None:
     """Print a realism profile as TOML, to copy and edit.
 

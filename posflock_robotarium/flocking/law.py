@@ -218,7 +218,8 @@ def saturate(vectors: ArrayLike, limit: float | Floats) -> Floats:
     length = _lengths(x, -2)
     shortened = limit * np.tanh(length / limit)
     factor = np.divide(shortened, length, out=np.zeros_like(length), where=length > 0.0)
-    return x * factor[..., None, :]
+    out: NDArray[np.float64] = x * factor[..., None, :]
+    return out
 
 
 def velocity_based_input(

@@ -350,7 +350,7 @@ def _simulate(scenario: FreeSpace, generators: Sequence[np.random.Generator]) ->
         if step % every == 0:
             recorded.append((p, v))
     return PointRun(
-        times=np.arange(float(len(recorded))) * (every * scenario.time_step),
+        times=np.arange(len(recorded), dtype=float) * (every * scenario.time_step),
         positions=np.stack([positions for positions, _ in recorded], axis=1),
         velocities=np.stack([velocities for _, velocities in recorded], axis=1),
         failing=sensors.failing,

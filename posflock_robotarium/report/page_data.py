@@ -203,12 +203,12 @@ def page_data(analyses: Sequence[Analysis]) -> PageData:
     gaps: list[float] = []
     if len(analyses) == 1:
         stride = runs[0].stride
-        time = first.recording.t[::stride]
+        time: Floats = first.recording.t[::stride]
         gaps = first.recording.t[first.recording.gaps].round(4).tolist()
         drawn = [_plot(panel, shown, first, stride) for panel, shown in panels()]
     else:
         last = max(float(a.recording.t[-1] - a.recording.t[0]) for a in analyses)
-        time = np.linspace(0.0, last, COMMON_SAMPLES)
+        time = np.linspace(0.0, last, COMMON_SAMPLES, dtype=np.float64)
         drawn = [_overlay(panel, shown[0], analyses, time) for panel, shown in panels()]
     return PageData(
         runs=runs,
@@ -321,7 +321,8 @@ def _thinned(curve: Floats, metric: Metric, stride: int) -> Floats:
     padded = np.concatenate([curve, np.full(blocks * stride - len(curve), np.nan)])
     table = padded.reshape(blocks, stride)
     if metric.of_interest == "mean":
-        return table[:, 0]
+        first: Floats = table[:, 0]
+        return first
     smallest = metric.of_interest == "smallest"
     filled = np.where(np.isnan(table), np.inf if smallest else -np.inf, table)
     best = filled.min(axis=1) if smallest else filled.max(axis=1)

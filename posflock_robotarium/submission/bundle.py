@@ -160,9 +160,12 @@ def bundle(
             f"the upload has {total} bytes, but {largest} are allowed; the largest file is"
             f" {max(files, key=lambda name: len(files[name]))}"
         )
+    from posflock_robotarium.verify.initial_drive_time import predicted_drive
     from posflock_robotarium.verify.timing import recommended_duration
 
-    duration = None if run_seconds is None else recommended_duration(run_seconds)
+    duration = None
+    if run_seconds is not None and robots is not None:
+        duration = recommended_duration(run_seconds, predicted_drive(robots))
     warnings = tuple(_warnings(script, found))
     ready = Bundle(folder, script.name, files, found.left_out, robots, duration, warnings)
     _write(ready)

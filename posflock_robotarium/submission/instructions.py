@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from posflock_robotarium.submission.manifest import MANIFEST
 from posflock_robotarium.verify.findings import count
+from posflock_robotarium.verify.initial_drive_time import predicted_drive
 from rps_compat import testbed
 
 if TYPE_CHECKING:
@@ -27,9 +28,10 @@ def instructions(ready: Bundle) -> str:
     size = math.ceil(ready.size / 1024)
     robots = f"{ready.robots}" if ready.robots else "as many as the script asks for"
     duration = (
-        f"{ready.duration:.0f} s (the run, and the slowest initial drive seen, 192 s)"
+        f"{ready.duration:.0f} s (the run, and a slow drive of {robots} robots to their start)"
         if ready.duration
-        else f"the run's length and {testbed.INITIAL_DRIVE[2]:.0f} s for the initial drive, at"
+        else "the run's length and a slow drive to the start"
+        f" ({predicted_drive(testbed.MAX_ROBOTS).most:.0f} s for {testbed.MAX_ROBOTS} robots), at"
         f" most {testbed.MAX_DURATION:.0f} s"
     )
     lines = [

@@ -139,7 +139,7 @@ def rehearse(
     out: Path | str,
     *,
     duration: float = testbed.MAX_DURATION,
-    profile: Profile | str | Path = "gritsbot_x",
+    profile: Profile | str | Path | None = None,
     seed: int = 0,
     generation: int = 2,
     initial: str = "arrive",
@@ -158,7 +158,7 @@ def rehearse(
     duration : float
         Seconds that are declared; then the run is interrupted.
     profile : Profile, name or path
-        Imperfections of motors and tracking.
+        Imperfections of motors and tracking; by default those of the generation's robots.
     seed : int
         Of everything random that is the testbed's.
     generation : int
@@ -210,13 +210,12 @@ def _refuse_outside_ranges(duration: float, timeout: float, initial: str, genera
 
 
 def _plan(
-    duration: float, profile: Profile | str | Path, seed: int, generation: int, initial: str
+    duration: float, profile: Profile | str | Path | None, seed: int, generation: int, initial: str
 ) -> RunPlan:
     """Return how the main file is run, its folder still to be made."""
-    from rps_compat.profiles import load_profile, profile_to_dict
-    from rps_compat.realism import Profile
+    from rps_compat.profiles import chosen_profile, profile_to_dict
 
-    chosen = profile if isinstance(profile, Profile) else load_profile(profile)
+    chosen = chosen_profile(profile, generation)
     return RunPlan(
         script=_MAIN,
         folder="",

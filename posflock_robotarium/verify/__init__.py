@@ -11,6 +11,7 @@ import contextlib
 import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,7 +19,7 @@ from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.verify import judge, static
 from posflock_robotarium.verify.ablation import EFFECT_TRIALS, Ablation, ablate
 from posflock_robotarium.verify.endings import FATAL
-from posflock_robotarium.verify.findings import Code, Finding, Verdict
+from posflock_robotarium.verify.findings import Code, Finding, Verdict, verdict_of
 from posflock_robotarium.verify.report import Report, report_of
 from rps_compat import testbed
 from rps_compat.bounded_files import read_bounded
@@ -30,6 +31,14 @@ if TYPE_CHECKING:
 
 #: Runs with imperfections where nobody says how many.
 TRIALS = 20
+
+_NO_TRIALS = Finding(
+    Code.NO_TRIALS,
+    Verdict.RISK,
+    "nothing was found, but no run under imperfections was looked at: the ideal simulator alone"
+    " says little about real robots",
+    f"leave out `--trials 0`: {TRIALS} runs are usual",
+)
 
 __all__ = [
     "EFFECT_TRIALS",
@@ -47,7 +56,7 @@ def verify(
     script: Path | str,
     *,
     trials: int = TRIALS,
-    profile: Profile | str | Path = "gritsbot_x",
+    profile: Profile | str | Path | None = None,
     generation: int = 2,
     declared: float | None = None,
     seed: int = 0,
@@ -65,7 +74,8 @@ def verify(
     trials : int
         Runs with imperfections, besides the ideal one.
     profile : Profile, name or path
-        The imperfections: ``gritsbot_x``, ``harsh``, or a TOML file.
+        The imperfections: one of `rps_compat.profiles.NAMES`, or a TOML file; by default those of
+        the robots of that generation.
     generation : int
         Of the API that the testbed runs: 2 since April 2026.
     declared : float, optional
@@ -90,11 +100,7 @@ def verify(
     ProfileError
         Where the profile is not one.
     """
-    from rps_compat.profiles import load_profile
-    from rps_compat.realism import Profile
-
-    chosen = profile if isinstance(profile, Profile) else load_profile(profile)
-    asked = _Asked(trials, chosen, generation, declared, seed, tell)
+    asked = _Asked(trials, profile, generation, declared, seed, tell)
     with contextlib.suppress(OSError):  # that it cannot be read is said below
         asked = replace(asked, sha256=hashlib.sha256(read_bounded(Path(script))).hexdigest())
     report = _verified(Path(script), asked, tuple(search), limits, server)
@@ -106,7 +112,7 @@ class _Asked:
     """What a script is judged by, its sum, and who is told of it; see `verify`."""
 
     trials: int
-    profile: Profile
+    wanted: Profile | str | Path | None
     generation: int
     declared: float | None
     seed: int
@@ -124,10 +130,18 @@ class _Asked:
                 f" got {self.declared}"
             )
 
+    @cached_property
+    def profile(self) -> Profile:
+        """The imperfections of the trials."""
+        from rps_compat.profiles import chosen_profile
+
+        return chosen_profile(self.wanted, self.generation)
+
     @property
     def longest(self) -> float:
         """Seconds after which a run is over."""
-        return min(self.declared or testbed.MAX_DURATION, testbed.MAX_DURATION)
+        declared = min(self.declared or testbed.MAX_DURATION, testbed.MAX_DURATION)
+        return declared + testbed.TIME_STEP  # the last step may end a little after it
 
 
 def _verified(
@@ -158,8 +172,18 @@ def _verified(
     # What is written elsewhere is not the run's data.
     elsewhere = {f.line for f in found if f.code is Code.OUTSIDE_WRITE and not f.file}
     known = [f for f in known if f.code is not Code.SAVE_AT_END or f.line not in elsewhere]
+    found = [*known, *found]
+    if not any(trial.outcome.steps for trial in runs.trials) and verdict_of(found) is Verdict.PASS:
+        found.append(_NO_TRIALS)
     report = report_of(
-        script, [*known, *found], generation, profile, runs.ideal, runs.trials, asked.declared
+        script,
+        found,
+        generation,
+        profile,
+        runs.ideal,
+        runs.trials,
+        asked.declared,
+        judge.drive_time(runs),
     )
     return replace(report, containment=containment)
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.verify import static
+from posflock_robotarium.verify.findings import wilson_interval
 from rps_compat.running.outcome import Ended
 from rps_compat.scripts.evidence import evidence_of
 from rps_compat.violations import FaultKind
@@ -42,13 +43,18 @@ class Ablation:
     failed: int
     gap: float | None
 
+    @property
+    def interval(self) -> tuple[float, float]:
+        """95 % confidence interval of the proportion of runs that collide."""
+        return wilson_interval(self.collisions, self.trials)
+
 
 def ablate(
     script: Path | str,
     *,
     effects: Sequence[str] = (),
     trials: int = EFFECT_TRIALS,
-    profile: Profile | str | Path = "gritsbot_x",
+    profile: Profile | str | Path | None = None,
     generation: int = 2,
     seed: int = 0,
     limits: Limits | None = None,
@@ -65,7 +71,8 @@ def ablate(
     trials : int
         Runs under each.
     profile : Profile, name or path
-        The imperfections: ``gritsbot_x``, ``harsh``, or a TOML file.
+        The imperfections: one of `rps_compat.profiles.NAMES`, or a TOML file; by default those of
+        the robots of that generation.
     generation : int
         Of the API that the testbed runs, where the script does not tell.
     seed : int
@@ -85,16 +92,15 @@ def ablate(
         Where the profile is not one.
     """
     from posflock_robotarium.verify import trials as running
-    from rps_compat.profiles import load_profile
-    from rps_compat.realism import Profile
+    from rps_compat.profiles import chosen_profile
 
-    chosen = profile if isinstance(profile, Profile) else load_profile(profile)
     _, source = static.check_source(Path(script), generation)
     if source is None:
         raise ParameterError(f"{script}: is not valid Python; `posflock verify` says where")
-    cases = [(name, chosen.only(name)) for name in effects or chosen.effects] + [("all", chosen)]
     evidence = evidence_of(source.uses)
     generation = evidence.generation if evidence.certain else generation
+    chosen = chosen_profile(profile, generation)
+    cases = [(name, chosen.only(name)) for name in effects or chosen.effects] + [("all", chosen)]
     out = []
     with running.TrialRoom(source, generation, limits or running.Limits()) as room:
         plans = [

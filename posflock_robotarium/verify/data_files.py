@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import IO
 
 import numpy as np
+from numpy.lib import format as npy
 
 #: Bytes, and rows of a log, that are read at a time.
 _BLOCK, _ROWS = 1 << 20, 1 << 16
@@ -104,11 +105,11 @@ def _npz(path: Path) -> tuple[bool, int]:
 
 def _header(member: IO[bytes]) -> tuple[tuple[int, ...], int]:
     """Return shape of an array, and the bytes of one value, from its file's first bytes."""
-    major, _ = np.lib.format.read_magic(member)
-    read = np.lib.format.read_array_header_1_0
-    if major > 1:
-        read = np.lib.format.read_array_header_2_0
-    shape, _, kind = read(member)
+    major, _ = npy.read_magic(member)
+    if major == 1:
+        shape, _, kind = npy.read_array_header_1_0(member)
+    else:
+        shape, _, kind = npy.read_array_header_2_0(member)
     if kind.hasobject:
         raise ValueError("objects, which nobody but Python reads")
     return shape, kind.itemsize

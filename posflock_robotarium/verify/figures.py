@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from posflock_robotarium.verify.findings import wilson_interval
+from posflock_robotarium.verify.motion import largest_wheel_speed, saturated_steps
 from posflock_robotarium.verify.timing import recommended_duration
-from rps_compat import testbed
 from rps_compat.violations import FaultKind
 
 if TYPE_CHECKING:
+    from posflock_robotarium.verify.initial_drive_time import DriveTime
     from rps_compat.running.outcome import Gap, LoopTimes, Outcome
 
 
@@ -29,6 +30,22 @@ class Smallest:
 
     ideal: float | None
     trials: float | None
+
+
+@dataclass(frozen=True)
+class Most:
+    """The largest of some count in the ideal run and in any trial.
+
+    Attributes
+    ----------
+    ideal : int
+        In the ideal run.
+    trials : int, optional
+        In the trial with most; None where no trial stepped.
+    """
+
+    ideal: int
+    trials: int | None
 
 
 @dataclass(frozen=True)
@@ -68,10 +85,14 @@ class Figures:
         Of the ideal run.
     run_seconds : float
         Length of the ideal run, without the drive to the initial conditions.
+    drive : DriveTime
+        Predicted for the drive to the initial conditions.
     loop : LoopTimes, optional
         How long the script takes from one step to the next.
     largest_wheel_speed : float
-        The fastest wheel that it asks for beyond the limit, rad/s.
+        The fastest wheel that any run asks for beyond the limit, rad/s.
+    saturated_steps : Most
+        Steps in which a wheel was asked for more than it can.
     gap, wall_gap : Smallest
         Between two centres, and between a centre and a wall.
     collisions, outside : Hits, optional
@@ -81,8 +102,10 @@ class Figures:
     robots: int
     steps: int
     run_seconds: float
+    drive: DriveTime
     loop: LoopTimes | None
     largest_wheel_speed: float
+    saturated_steps: Most
     gap: Smallest
     wall_gap: Smallest
     collisions: Hits | None
@@ -91,27 +114,28 @@ class Figures:
     @property
     def recommended_duration(self) -> float:
         """Seconds to declare."""
-        return recommended_duration(self.run_seconds)
+        return recommended_duration(self.run_seconds, self.drive)
 
     def as_dict(self) -> dict[str, Any]:
         """Return what ``verify.json`` holds; docs/verify.md describes it."""
-        least, median, most = testbed.INITIAL_DRIVE
         loop = self.loop
         out: dict[str, Any] = {
             "robots": self.robots,
             "steps": self.steps,
             "run_seconds": self.run_seconds,
-            "initial_drive_seconds": {"least": least, "median": median, "most": most},
-            "predicted_seconds": self.run_seconds + median,
+            "initial_drive_seconds": self.drive.as_dict(),
+            "predicted_seconds": self.run_seconds + self.drive.median,
             "recommended_duration": self.recommended_duration,
             "loop_milliseconds": {}
             if loop is None
             else {"p50": 1000 * loop.p50, "p99": 1000 * loop.p99, "max": 1000 * loop.longest},
             "largest_wheel_speed": self.largest_wheel_speed,
+            "saturated_steps": {"ideal": self.saturated_steps.ideal},
             "smallest_gap": {"ideal": self.gap.ideal},
             "smallest_wall_gap": {"ideal": self.wall_gap.ideal},
         }
         if self.collisions is not None and self.outside is not None:
+            out["saturated_steps"]["trials"] = self.saturated_steps.trials
             out["smallest_gap"]["trials"] = self.gap.trials
             out["smallest_wall_gap"]["trials"] = self.wall_gap.trials
             out["collision_runs"] = self.collisions.as_dict()
@@ -119,7 +143,7 @@ class Figures:
         return out
 
 
-def figures_of(ideal: Outcome, trials: Sequence[Outcome]) -> Figures | None:
+def figures_of(ideal: Outcome, trials: Sequence[Outcome], drive: DriveTime) -> Figures | None:
     """Return the figures of an ideal run and its trials; None where the ideal run never stepped.
 
     Parameters
@@ -128,6 +152,8 @@ def figures_of(ideal: Outcome, trials: Sequence[Outcome]) -> Figures | None:
         Of the run without imperfections.
     trials : sequence of Outcome
         Of the runs with imperfections; those that never stepped are left out.
+    drive : DriveTime
+        Predicted for the drive to the initial conditions.
     """
     report = ideal.report
     if not ideal.steps or report is None or ideal.clock is None:
@@ -137,8 +163,10 @@ def figures_of(ideal: Outcome, trials: Sequence[Outcome]) -> Figures | None:
         robots=report.number_of_robots,
         steps=ideal.steps,
         run_seconds=ideal.clock,
+        drive=drive,
         loop=ideal.loop,
-        largest_wheel_speed=report.largest_wheel_velocity,
+        largest_wheel_speed=max(map(largest_wheel_speed, (ideal, *ran))),
+        saturated_steps=Most(saturated_steps(ideal), max(map(saturated_steps, ran), default=None)),
         gap=Smallest(metres(ideal.smallest_gap), _least(o.smallest_gap for o in ran)),
         wall_gap=Smallest(metres(ideal.wall_gap), _least(o.wall_gap for o in ran)),
         collisions=_hits(ran, FaultKind.COLLISION),

@@ -88,6 +88,8 @@ class Code(WordEnum):
     DISK = "disk", "writes or prints more than allowed"
     OUTSIDE_WRITE = "outside-write", "writes outside its own folder"
     NETWORK = "network", "uses the network"
+    NO_TRIALS = "no-trials", "no run under imperfections was judged"
+    NOTHING_SAVED = "nothing-saved", "leaves no data file"
     INTERNAL = "internal", "the verifier itself could not do something"
 
 

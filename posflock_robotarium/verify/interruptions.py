@@ -29,6 +29,14 @@ def judge_data(
         What the source has told already.
     """
     written = [name for name, content in ideal.data.items() if content.readable]
+    if not ideal.data and ideal.outcome.ended is Ended.FINISHED:
+        yield Finding(
+            Code.NOTHING_SAVED,
+            Verdict.NOTE,
+            "writes no file: what comes back is the video and what it prints",
+            "log poses and commands during the loop (numpy.lib.format.open_memmap, or posflock's"
+            " PoseLog): a report, and a realism profile fitted to these robots, need them",
+        )
     if not written or interrupted is None or not interrupted.outcome.steps:
         return
     if interrupted.outcome.ended is Ended.HUNG:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from posflock_robotarium.verify.endings import judge_end, judge_policy
 from posflock_robotarium.verify.findings import Code, Finding, Verdict, too_many_robots
+from posflock_robotarium.verify.initial_drive_time import DriveTime, predicted_drive
 from posflock_robotarium.verify.interruptions import judge_data
 from posflock_robotarium.verify.motion import (
     judge_boundary,
@@ -48,6 +49,20 @@ class Runs:
     killed: Ran | None = None
 
 
+def drive_time(runs: Runs) -> DriveTime:
+    """Return how long driving to the initial conditions is predicted to take.
+
+    Parameters
+    ----------
+    runs : Runs
+        What was run.
+    """
+    report, drive = runs.ideal.outcome.report, runs.drive
+    arrived = drive is not None and drive.ended is Ended.STOPPED
+    robots = 1 if report is None else report.number_of_robots
+    return predicted_drive(robots, drive.time if drive is not None and arrived else None)
+
+
 def judge(
     runs: Runs, known: Sequence[Finding], declared: float | None = None, counted: bool = False
 ) -> list[Finding]:
@@ -71,11 +86,11 @@ def judge(
         found += _robots(ideal, known)
         found += judge_collisions(ideal, trials)
         found += judge_boundary(ideal, trials)
-        found += judge_wheels(ideal)
+        found += judge_wheels(ideal, trials)
         found += judge_start(ideal, runs.drive, known)
         if ideal.ended is not Ended.OUT_OF_MEMORY:  # to fill memory takes time, too
-            found += judge_loop(ideal, known)
-        found += judge_duration(ideal, declared, counted)
+            found += judge_loop([ideal, *trials], known)
+        found += judge_duration(ideal, drive_time(runs), declared, counted)
         found += judge_data(runs.ideal, runs.interrupted, runs.killed, known)
     elif ideal.ended is Ended.FINISHED and not any(f.code is Code.NO_FINISHING_CALL for f in known):
         found.append(

@@ -89,7 +89,7 @@ def _proportion(
         f"{words} in {len(hit)} of {count(len(ran), 'trial')} with imperfections"
         f" ({100 * low:.0f} to {100 * high:.0f} % of runs), though not in the ideal simulator;"
         f" first in the trial with seed {outcome.seed}",
-        advice,
+        f"{advice}; `posflock verify --effect each` finds the imperfection that does it",
         time=first.time,
         robots=first.robots,
         figure=first.worst,
@@ -99,31 +99,60 @@ def _proportion(
     )
 
 
-def judge_wheels(ideal: Outcome) -> Iterator[Finding]:
-    """Tell of commands beyond the wheels' limit.
+def judge_wheels(ideal: Outcome, trials: Sequence[Outcome]) -> Iterator[Finding]:
+    """Tell of commands beyond the wheels' limit, in the run that asks for most.
+
+    A controller that acts on late and noisy poses asks for more than in the ideal simulator.
 
     Parameters
     ----------
     ideal : Outcome
         The ideal run.
+    trials : sequence of Outcome
+        The runs with imperfections.
     """
-    first, report = _first(ideal, FaultKind.ACTUATOR), ideal.report
-    if not first or report is None:
+    over = [(saturated_steps(outcome), outcome) for outcome in (ideal, *trials)]
+    steps, worst = max(over, key=lambda pair: pair[0])
+    first = _first(worst, FaultKind.ACTUATOR)
+    if first is None:
         return
-    limit = testbed.GTERNAL.max_wheel_velocity
-    steps, fastest = report.steps_over_actuator_limits, report.largest_wheel_velocity
+    limit, most = testbed.GTERNAL.max_wheel_velocity, max(largest_wheel_speed(o) for _, o in over)
     many = steps > testbed.TOLERATED_VIOLATIONS
+    where = "" if worst is ideal else f" in the trial with seed {worst.seed}"
+    beside = "" if worst is ideal else f", {over[0][0]} in the ideal run"
     yield Finding(
         Code.ACTUATOR,
         Verdict.RISK if many else Verdict.NOTE,
-        f"asks a wheel for more than {limit} rad/s in {count(steps, 'step')}, up"
-        f" to {fastest:.1f}: the motors cut that, and robots drive another curve",
+        f"asks a wheel for more than {limit} rad/s in {count(steps, 'step')}{where}{beside}, up"
+        f" to {most:.1f}: the motors cut that, and robots drive another curve",
         "scale commands down before set_velocities: 0.2 m/s straight is the limit, less in a turn",
         time=first.time,
         robots=first.robots,
-        figure=fastest,
+        figure=most,
         unit="rad/s",
     )
+
+
+def saturated_steps(outcome: Outcome) -> int:
+    """Return in how many steps of a run a wheel was asked for more than it can.
+
+    Parameters
+    ----------
+    outcome : Outcome
+        The run; one without a report counts as none.
+    """
+    return 0 if outcome.report is None else outcome.report.steps_over_actuator_limits
+
+
+def largest_wheel_speed(outcome: Outcome) -> float:
+    """Return the fastest wheel that a run asked for beyond the limit, rad/s; 0 if none.
+
+    Parameters
+    ----------
+    outcome : Outcome
+        The run; one without a report counts as none.
+    """
+    return 0.0 if outcome.report is None else outcome.report.largest_wheel_velocity
 
 
 def judge_start(

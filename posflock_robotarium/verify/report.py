@@ -11,6 +11,7 @@ from posflock_robotarium.verify.figures import Figures, figures_of, metres
 from posflock_robotarium.verify.findings import Finding, Verdict, verdict_of
 
 if TYPE_CHECKING:
+    from posflock_robotarium.verify.initial_drive_time import DriveTime
     from posflock_robotarium.verify.trials import Ran
     from rps_compat.containment.namespaces import Containment
     from rps_compat.running.outcome import Outcome
@@ -41,6 +42,8 @@ class Report:
         Those with imperfections.
     declared : float, optional
         Duration that will be declared, s.
+    drive : DriveTime, optional
+        Predicted for the drive to the initial conditions; None where the source alone settled it.
     sha256 : str
         Sum of the script as it was verified, as a bundle's `MANIFEST` has it; empty where unknown.
     containment : Containment, optional
@@ -55,6 +58,7 @@ class Report:
     ideal: Ran | None = None
     trials: list[Ran] = field(default_factory=list)
     declared: float | None = None
+    drive: DriveTime | None = None
     sha256: str = ""
     containment: Containment | None = None
 
@@ -66,9 +70,10 @@ class Report:
     @property
     def figures(self) -> Figures | None:
         """The numbers that a reader wants even where nothing is wrong; None where nothing ran."""
-        if self.ideal is None:
+        if self.ideal is None or self.drive is None:
             return None
-        return figures_of(self.ideal.outcome, [trial.outcome for trial in self.trials])
+        trials = [trial.outcome for trial in self.trials]
+        return figures_of(self.ideal.outcome, trials, self.drive)
 
     def as_dict(self) -> dict[str, Any]:
         """Return what ``verify.json`` holds; docs/verify.md describes it."""
@@ -96,6 +101,7 @@ def report_of(
     ideal: Ran | None = None,
     trials: Sequence[Ran] = (),
     declared: float | None = None,
+    drive: DriveTime | None = None,
 ) -> Report:
     """Put the findings in order, the worst first, and say what they come to.
 
@@ -115,6 +121,8 @@ def report_of(
         Those with imperfections.
     declared : float, optional
         Duration that will be declared, s.
+    drive : DriveTime, optional
+        Predicted for the drive to the initial conditions.
     """
     ordered = sorted(findings, key=lambda finding: -finding.verdict)
     return Report(
@@ -126,6 +134,7 @@ def report_of(
         ideal,
         list(trials),
         declared,
+        drive,
     )
 
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from barrier_certificates import ties
 from posflock_robotarium.verify.findings import Code, Verdict, count
-from rps_compat import testbed
 from rps_compat.terminal import printable
 
 if TYPE_CHECKING:
@@ -75,14 +74,12 @@ def figure_lines(report: Report) -> list[tuple[str, str]]:
     found = report.figures
     if found is None:
         return held
-    least, median, most = testbed.INITIAL_DRIVE
     lines = [
         (
             "duration",
             f"{found.run_seconds:.0f} s, after a drive to the initial conditions of"
-            f" {least:.0f} to {most:.0f} s (median {median:.0f}):"
-            f" declare {found.recommended_duration:.0f} s"
-            + _declared(report.declared, found.run_seconds + most),
+            f" {found.drive}: declare {found.recommended_duration:.0f} s"
+            + _declared(report.declared, found.run_seconds + found.drive.most),
         )
     ]
     if (loop := found.loop) is not None:
@@ -136,13 +133,15 @@ def print_ablation(rows: Sequence[Ablation], console: Console) -> None:
 
     table = Table(box=None, padding=(0, 2, 0, 0))
     table.add_column("imperfection alone")
-    for heading in ("collisions", "left arena", "failed", "smallest gap"):
+    for heading in ("collisions", "of runs (95 %)", "left arena", "failed", "smallest gap"):
         table.add_column(heading, justify="right")
     for row in rows:
         bad = row.collisions + row.outside + row.failed > 0
         table.add_row(
             f"[red]{row.effect}[/]" if bad else row.effect,
-            *(f"{hits} of {row.trials}" for hits in (row.collisions, row.outside, row.failed)),
+            f"{row.collisions} of {row.trials}",
+            f"{100 * row.interval[0]:.0f} to {100 * row.interval[1]:.0f} %",
+            *(f"{hits} of {row.trials}" for hits in (row.outside, row.failed)),
             "unknown" if row.gap is None else f"{row.gap:.3f} m",
         )
     console.print(table)

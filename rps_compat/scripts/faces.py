@@ -113,7 +113,8 @@ def has(module: str, name: str, generation: int) -> bool:
     found = face(module, generation)
     if found is None:
         return False
-    return name in found.names or face(f"{module}.{name}", generation) is not None
+    own = name.startswith("__") and hasattr(ast, name)  # what every module has, as __name__
+    return own or name in found.names or face(f"{module}.{name}", generation) is not None
 
 
 def _parameters(node: ast.FunctionDef) -> dict[str, bool]:

@@ -139,7 +139,7 @@ class ARobotarium(SensorReadings):
         self._checked_poses_already = False
         self._previous_render_time = time.time()
         self._leds = np.zeros((3, robots))
-        self._velocities_old = np.zeros((2, robots))
+        self._velocities_old: Array = np.zeros((2, robots))
 
         self._session = session.current()
         self._random = cache(self._session.generator)  # one stream, drawn from only if needed

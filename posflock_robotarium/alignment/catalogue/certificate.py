@@ -18,7 +18,8 @@ def _known_interventions(run: MeasuredRun) -> Floats | None:
     known = run.recording.intervention
     if known is None or not np.isfinite(known).any():
         return None
-    return known[np.isfinite(known)]
+    moved: Floats = known[np.isfinite(known)]
+    return moved
 
 
 def _share_intervened(run: MeasuredRun) -> float | None:

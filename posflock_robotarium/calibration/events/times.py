@@ -174,7 +174,8 @@ def _regress(
 ) -> EventFit:
     """Fit 1/g and d to the logged times, with what runs around them say of both."""
     common = [key for key in logged if all(key in run.events for run in runs)]
-    times = np.array([[run.events[key] for key in common] for run in runs]).reshape(len(runs), -1)
+    heard = [[run.events[key] for key in common] for run in runs]
+    times: Floats = np.array(heard).reshape(len(runs), -1)
     inputs = np.array([[1.0, 1 / r.candidate.gain, r.candidate.delay] for r in runs])
     coefficients, *_ = np.linalg.lstsq(inputs, times, rcond=None)
     effect = np.abs(coefficients[1]) * np.ptp(inputs[:, 1])
