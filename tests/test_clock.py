@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from rps_compat.clock import SimulatedClock, Stuck
-from rps_compat.clock.stand_ins import _stand_ins
+from rps_compat.clock.stand_ins import _stand_ins, in_force
 
 SCENARIOS = Path(__file__).parent / "clock_scenarios"
 
@@ -127,10 +127,10 @@ def test_everything_is_taken_back():
     assert len(before) > 40
     handler = signal.getsignal(signal.SIGALRM)
     outer, inner = SimulatedClock(), SimulatedClock(start=0.0)
-    with outer.in_force():
+    with in_force(outer):
         between = stood_in_for()
         assert all(a != b for a, b in zip(before, between, strict=True))
-        with pytest.raises(KeyError), inner.in_force():
+        with pytest.raises(KeyError), in_force(inner):
             {}[time.time() < 1]
         assert stood_in_for() == between
         assert time.time() > 1e9
@@ -144,7 +144,7 @@ def test_everything_is_taken_back():
 
 
 def test_nothing_stays_behind_in_the_time_functions():
-    with SimulatedClock(start=0.0).in_force():
+    with in_force(SimulatedClock(start=0.0)):
         taken = (time.time, time.time_ns, time.monotonic, time.perf_counter, time.localtime)
         now = datetime.datetime.now
         lock, many, goods = threading.Lock(), threading.RLock(), queue.SimpleQueue()
@@ -175,7 +175,7 @@ def test_threads_that_ran_before_keep_real_time():
     thread = threading.Thread(target=worker)
     thread.start()
     clock = SimulatedClock()
-    with clock.in_force():
+    with in_force(clock):
         go.set()
         assert seen.get() is False
         assert 0.1 <= seen.get() < 20
@@ -185,7 +185,7 @@ def test_threads_that_ran_before_keep_real_time():
 
 def test_threads_that_live_on_wait_on_in_real_time():
     woken, late = threading.Event(), queue.Queue()
-    with SimulatedClock().in_force():
+    with in_force(SimulatedClock()):
         event = threading.Event()
         threading.Thread(target=lambda: (time.sleep(0.05), woken.set()), daemon=True).start()
         threading.Thread(target=lambda: late.put(event.wait()), daemon=True).start()
@@ -202,7 +202,7 @@ def test_an_exception_in_a_wait_leaves_no_trace():
 
     before = signal.signal(signal.SIGALRM, interrupt)
     try:
-        with clock.in_force():
+        with in_force(clock):
             for wait in (lambda: time.sleep(9), threading.Event().wait, queue.Queue().get):
                 signal.alarm(1)
                 with pytest.raises(KeyboardInterrupt):
@@ -217,7 +217,7 @@ def test_an_exception_in_a_wait_leaves_no_trace():
 
 def test_a_clock_that_charges_counts_computing_and_sleeping():
     clock = SimulatedClock(charge=True)
-    with clock.in_force():
+    with in_force(clock):
         clock.resume()
         clock.advance(0.033)
         assert clock.elapsed == pytest.approx(0.033, abs=0.02)
@@ -237,16 +237,16 @@ def test_a_clock_that_charges_counts_computing_and_sleeping():
 def test_negative_steps_do_not_pass():
     clock = SimulatedClock()
     clock.advance(-1)
-    with clock.in_force():
+    with in_force(clock):
         clock.advance(-1)
     assert clock.elapsed == 0
 
 
 def test_a_clock_without_a_longest_wait_lets_time_pass():
     clock = SimulatedClock()
-    with clock.in_force():
+    with in_force(clock):
         time.sleep(1e6)
     limited = SimulatedClock(longest_wait=10)
-    with limited.in_force(), pytest.raises(Stuck, match=r"no step for 10 s .* test_clock.py, line"):
+    with in_force(limited), pytest.raises(Stuck, match=r"no step for 10 s .* test_clock.py, line"):
         time.sleep(11)
     assert clock.elapsed == 1e6

@@ -10,6 +10,7 @@ from rps_compat.bridges import bridge
 from rps_compat.children.family import Family, has_family
 from rps_compat.children.plan import ChildError, plan_of_this_process
 from rps_compat.clock import SimulatedClock
+from rps_compat.clock.stand_ins import in_force
 from rps_compat.install import install
 from rps_compat.recording import Recording
 from rps_compat.repeatable import repeatable
@@ -54,7 +55,7 @@ def join_run(as_worker: bool = False) -> None:
     atexit.register(_surroundings.close)
     bridge(_surroundings)
     if plan.headless:
-        _surroundings.enter_context(clock.in_force())
+        _surroundings.enter_context(in_force(clock))
         _surroundings.enter_context(headless_matplotlib())
 
 

@@ -40,28 +40,29 @@ class Alarm(Wait):
 
     def __init__(self, clock: SimulatedClock, seconds: float, interval: float) -> None:
         super().__init__(clock)
+        self.clock = clock
         self.interval = interval
         self.pausing: list[Wait] = []
         clock.schedule(self, seconds)
 
     def fire(self) -> None:
         """Send the signal to the main thread."""
-        if _handler_runs(self.scheduler.main.ident):  # it comes when the handler is done
-            self.scheduler.schedule(self, LOOK)
+        if _handler_runs(self.clock.main.ident):  # it comes when the handler is done
+            self.clock.schedule(self, LOOK)
             return
         if self.interval > 0:
-            self.scheduler.schedule(self, self.interval)
+            self.clock.schedule(self, self.interval)
         else:
             self.expired = True
         pausing, self.pausing = self.pausing, []
         for wait in pausing:
             wait.release()
-        signal.pthread_kill(self.scheduler.main.ident or 0, signal.SIGALRM)
+        signal.pthread_kill(self.clock.main.ident or 0, signal.SIGALRM)
 
     @property
     def left(self) -> float:
         """Seconds until it is due; 0 if it never is."""
-        return 0.0 if self.over else max(self.deadline - self.scheduler.elapsed, LOOK)
+        return 0.0 if self.over else max(self.deadline - self.clock.elapsed, LOOK)
 
 
 def _handler_runs(ident: int | None) -> bool:

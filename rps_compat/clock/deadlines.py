@@ -5,10 +5,8 @@ from __future__ import annotations
 import heapq
 import math
 from itertools import count
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from rps_compat.clock.waits import Wait
+from rps_compat.clock.waits import Wait
 
 
 class Deadlines:

@@ -6,13 +6,13 @@ import threading
 
 from rps_compat.clock import real
 from rps_compat.clock.threads import IN_C, LOOKS, ScriptThread, State
-from rps_compat.clock.waits import Wait
+from rps_compat.clock.waits import Wait, Waker
 
 #: Real seconds after which who waits for others looks at what they do.
 LOOK_AGAIN = 0.001
 
 
-class Roster:
+class Roster(Waker):
     """The threads of one script.
 
     Attributes
@@ -136,7 +136,7 @@ class Roster:
         self.busy.discard(gone)
         self.out.discard(gone)
         for wait in gone.joiners:
-            self.wake(wait)
+            wait.release()
         if self.stepper is gone:
             self.give_wheel(self.main)
         self._changed()
@@ -159,13 +159,6 @@ class Roster:
                 wait.ring()
 
     def is_waited(self, wait: Wait) -> bool:
-        """Whether a thread of this process waits, or is about to, and can be woken.
-
-        Parameters
-        ----------
-        wait : Wait
-            What the thread waits in; one without a thread counts as about to.
-        """
         thread = wait.thread
         return not wait.over and (thread is None or self.threads.get(thread.ident or 0) is thread)
 
@@ -201,21 +194,6 @@ class Roster:
                 self.out.discard(thread)
                 self.busy.add(thread)
                 thread.begin_turn()
-
-    def wake(self, wait: Wait) -> None:
-        """End a wait before its deadline; the scheduler says how.
-
-        Parameters
-        ----------
-        wait : Wait
-            What a thread waits in, over from now on.
-
-        Raises
-        ------
-        NotImplementedError
-            Always, here.
-        """
-        raise NotImplementedError
 
     def look_around(self) -> None:
         """Tell who moves time on that somebody waits now who did not."""

@@ -159,8 +159,9 @@ class Scheduler(Roster):
             known = self.starting.get(thread) or self.known(thread)
             if known is None:
                 return None
-            known.joiners.append(Wait(self))
-            return known.joiners[-1]
+            wait = Wait(self)
+            known.joiners.append(wait)
+            return wait
 
     def schedule(self, wait: Wait, seconds: float) -> None:
         """Give a wait a deadline, if nothing ends it before.
@@ -178,20 +179,12 @@ class Scheduler(Roster):
             self._changed()
 
     def wake(self, wait: Wait) -> None:
-        """End a wait before its deadline."""
         with self.lock:
             if not wait.over:
                 wait.woken = True
                 self.woken(wait)
 
     def woken(self, wait: Wait) -> None:
-        """Let the thread of a wait that is over go on: it has its turn.
-
-        Parameters
-        ----------
-        wait : Wait
-            What the thread waited in.
-        """
         if wait.thread is not None and wait.thread.wait is wait:
             self.runs(wait.thread)
         self._silent_since = None

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 import os
 import sys
 import weakref
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 from rps_compat.clock import real
 from rps_compat.clock.scheduler import Scheduler
@@ -210,25 +209,14 @@ class SimulatedClock(Scheduler):
 
     # --- In force -------------------------------------------------------------------------------
 
-    @contextlib.contextmanager
-    def in_force(self) -> Iterator[SimulatedClock]:
-        """Make this the clock of the process within the ``with`` block, in the running thread.
-
-        Threads that ran before keep the real time. What stood in for Python's own functions is
-        taken back at the end, and threads that still wait go on in real time.
-        """
-        from rps_compat.clock.stand_ins import standing_in
-
+    def start(self) -> None:
+        """Be in force from now on, in the running thread: others that run keep the real time."""
         self.foreign = set(sys._current_frames()) - {real.get_ident()}
         self.over = False
         self._changed()
-        try:
-            with standing_in(self):
-                yield self
-        finally:
-            self._end()
 
-    def _end(self) -> None:
+    def stop(self) -> None:
+        """Be in force no more: threads that still wait go on in real time."""
         with self.lock:
             self.over, self.solo = True, False
             if self._ticker is not None:

@@ -1,4 +1,4 @@
-"""Puts the stand-ins into Python's modules, and takes them back."""
+"""Puts a clock in force: its stand-ins into Python's modules, and takes them back."""
 
 import _thread
 import contextlib
@@ -51,15 +51,20 @@ def _stand_ins() -> Iterator[tuple[Any, str, Any]]:
 
 
 @contextlib.contextmanager
-def standing_in(clock: SimulatedClock) -> Iterator[None]:
+def in_force(clock: SimulatedClock) -> Iterator[SimulatedClock]:
     """Let the process live by a clock within the ``with`` block; blocks may be nested.
+
+    Threads that ran before keep the real time. What stood in for Python's own functions is taken
+    back at the end, and threads that still wait go on in real time.
 
     Parameters
     ----------
     clock : SimulatedClock
-        Tells the time to all threads but those of others.
+        Tells the time to the running thread and to those that it starts.
     """
+    clock.start()
     with contextlib.ExitStack() as back:
+        back.callback(clock.stop)
         if alarms.can_send_alarms():
             back.enter_context(alarms.alarms_as_python_has_them())
         back.callback(time_functions.put_in_force, time_functions.put_in_force(clock))
@@ -73,7 +78,7 @@ def standing_in(clock: SimulatedClock) -> Iterator[None]:
             stand_in = classmethod(getattr(time_functions, name))
             back.callback(_put_into_datetime, name, datetime.datetime.__dict__[name])
             _put_into_datetime(name, stand_in)
-        yield
+        yield clock
 
 
 def _put(owner: Any, name: str, value: Any) -> None:

@@ -13,12 +13,9 @@ import sys
 import threading
 import weakref
 from enum import Enum
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from rps_compat.clock import real
-
-if TYPE_CHECKING:
-    from rps_compat.clock.waits import Wait
 
 #: CPU seconds within which a woken thread should come to its next wait: so long time stands still.
 TURN = 0.02
@@ -34,6 +31,27 @@ class State(Enum):
     RUNNING = 1
     WAITING = 2
     OUTSIDE = 3
+
+
+class Blocker(Protocol):
+    """What a thread blocks in, to those who know but the thread.
+
+    Attributes
+    ----------
+    failure
+        What to raise in the thread.
+    """
+
+    failure: BaseException | None
+
+    def release(self) -> None:
+        """Wake the thread."""
+
+    def fire(self) -> None:
+        """End the wait as its deadline would."""
+
+    def ring(self) -> None:
+        """Let the thread look around."""
 
 
 class ScriptThread:
@@ -58,6 +76,8 @@ class ScriptThread:
         Whether it asked the world outside for something that was not there yet.
     engine
         What moves time on in this thread, while it does.
+    joiners
+        What others wait in for its end.
     short_waits
         How many waits in a row took next to no time.
     since
@@ -71,9 +91,9 @@ class ScriptThread:
         self.ident: int | None = None
         self.native: int | None = None
         self.state = State.RUNNING
-        self.wait: Wait | None = None
-        self.engine: Wait | None = None
-        self.joiners: list[Wait] = []
+        self.wait: Blocker | None = None
+        self.engine: Blocker | None = None
+        self.joiners: list[Blocker] = []
         self._pipe: tuple[int, int] | None = None
         self.asks, self.short_waits, self.reason = False, 0, IN_C
         self.since = self._seen = 0.0

@@ -7,13 +7,49 @@ import math
 import os
 import threading
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import Any, Protocol
 
 from rps_compat.clock import real
+from rps_compat.clock.threads import ScriptThread
 
-if TYPE_CHECKING:
-    from rps_compat.clock.scheduler import Scheduler
-    from rps_compat.clock.threads import ScriptThread
+
+class Waker(Protocol):
+    """Who keeps account of waits, and lets threads go on when these are over.
+
+    Attributes
+    ----------
+    lock
+        Held by whoever asks about waits that may end meanwhile.
+    """
+
+    lock: Any
+
+    def wake(self, wait: Wait) -> None:
+        """End a wait before its deadline.
+
+        Parameters
+        ----------
+        wait : Wait
+            What a thread waits in; nothing happens if it is over.
+        """
+
+    def woken(self, wait: Wait) -> None:
+        """Let the thread of a wait that is over go on: it has its turn.
+
+        Parameters
+        ----------
+        wait : Wait
+            What the thread waited in.
+        """
+
+    def is_waited(self, wait: Wait) -> bool:
+        """Whether a thread of this process waits, or is about to, and can be woken.
+
+        Parameters
+        ----------
+        wait : Wait
+            What the thread waits in; one without a thread counts as about to.
+        """
 
 
 class Wait:
@@ -24,7 +60,7 @@ class Wait:
 
     Parameters
     ----------
-    scheduler : Scheduler
+    scheduler : Waker
         Whose time it is.
 
     Attributes
@@ -41,7 +77,7 @@ class Wait:
 
     polled = False
 
-    def __init__(self, scheduler: Scheduler) -> None:
+    def __init__(self, scheduler: Waker) -> None:
         self.scheduler = scheduler
         self.thread: ScriptThread | None = None
         self.deadline = math.inf
@@ -89,7 +125,7 @@ class PolledWait(Wait):
 
     Parameters
     ----------
-    scheduler : Scheduler
+    scheduler : Waker
         Whose time it is.
     watch, unwatch
         Add and remove a descriptor among those waited for.
@@ -103,7 +139,7 @@ class PolledWait(Wait):
 
     def __init__(
         self,
-        scheduler: Scheduler,
+        scheduler: Waker,
         watch: Callable[[int], object],
         unwatch: Callable[[int], object],
         select: Callable[[float | None], set[int]],

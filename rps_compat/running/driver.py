@@ -22,6 +22,7 @@ from rps_compat.children.family import Family
 from rps_compat.children.gathering import Children
 from rps_compat.children.plan import Plan, hand_on
 from rps_compat.clock import SimulatedClock
+from rps_compat.clock.stand_ins import in_force
 from rps_compat.errors import ScriptError
 from rps_compat.film import Film
 from rps_compat.process_state import hiding_notes, process_state
@@ -236,7 +237,7 @@ class _Run:
             around.enter_context(self.schedule.listening())
         limit_process(plan.memory, plan.disk)
         if plan.clock is not ClockPolicy.REAL:
-            around.enter_context(self.clock.in_force())
+            around.enter_context(in_force(self.clock))
         if plan.draws_on_demand:
             self.window_notes = around.enter_context(headless_matplotlib())
         if plan.answers is not None:
