@@ -13,7 +13,7 @@ export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
 .PHONY: demo test test-slow test-numpy1 test-portable coverage mutants lint bench bench-nine bench-rps bench-barriers bench-verify \
-	bench-report bench-fuzz bench-paper bench-machines lock clean help
+	bench-report bench-fuzz bench-faults bench-paper bench-machines lock clean help
 .DEFAULT_GOAL := help
 
 help:  ## this list
@@ -63,7 +63,7 @@ lint: $(VENV)/.dev  ## ruff, mypy --strict, import rules, docstrings
 	$(BIN)/lint-imports
 	$(BIN)/python tools/docstrings.py
 
-bench: bench-nine bench-rps bench-barriers bench-verify bench-report bench-fuzz bench-paper bench-machines  ## every benchmark
+bench: bench-nine bench-rps bench-barriers bench-verify bench-report bench-fuzz bench-faults bench-paper bench-machines  ## every benchmark
 
 bench-nine: $(VENV)/.dev  ## the nine-robot experiment against its acceptance table
 	$(BIN)/python benchmarks/nine_robots.py
@@ -84,6 +84,11 @@ bench-report: $(VENV)/.dev  ## estimators against truth; cost of an analysis ove
 	$(BIN)/python benchmarks/estimator_truth.py
 	$(BIN)/python benchmarks/report_scaling.py
 	$(BIN)/python benchmarks/replay_video.py
+
+bench-faults: $(VENV)/.dev  ## 500 kills, 40 hostile scripts in both containments, long runs
+	$(BIN)/python benchmarks/faults_hostile.py
+	$(BIN)/python benchmarks/faults_kills.py
+	$(BIN)/python benchmarks/faults_long_runs.py
 
 bench-fuzz: $(VENV)/.dev  ## twenty thousand damaged files through the readers of logs
 	$(BIN)/python benchmarks/fuzz_readers.py
