@@ -85,6 +85,11 @@ bench-report: $(VENV)/.dev  ## estimators against truth; cost of an analysis ove
 	$(BIN)/python benchmarks/report_scaling.py
 	$(BIN)/python benchmarks/replay_video.py
 
+bench-faults: $(VENV)/.dev  ## 500 kills, 40 hostile scripts in both containments, long runs
+	$(BIN)/python benchmarks/faults_hostile.py
+	$(BIN)/python benchmarks/faults_kills.py
+	$(BIN)/python benchmarks/faults_long_runs.py
+
 bench-fuzz: $(VENV)/.dev  ## twenty thousand damaged files through the readers of logs
 	$(BIN)/python benchmarks/fuzz_readers.py
 

@@ -41,7 +41,7 @@ import multiprocessing, os, subprocess, sys, time
 import numpy as np
 from rps.robotarium import Robotarium
 
-if sys.argv[1:]:  # as posflock run is asked to: processes of three kinds
+if sys.argv[1:] and __name__ == "__main__":  # as posflock run is asked to: processes of three kinds
     other = subprocess.Popen(["sleep", "60"], start_new_session=True)
     multiprocessing.get_context("fork").Process(target=time.sleep, args=(60,), daemon=True).start()
     multiprocessing.get_context("spawn").Process(target=time.sleep, args=(60,), daemon=True).start()
@@ -210,7 +210,7 @@ def half_files(place: Path) -> Iterator[str]:
         if not content.rstrip(b" \r").endswith(ends.get(path.suffix, b"")) and not (
             path.suffix in (".html", ".pdf") and content.rstrip().endswith(ends[path.suffix])
         ):
-            yield path.name
+            yield f"{path.name}, {len(content)} bytes"
 
 
 def rows_of(place: Path) -> int:

@@ -104,8 +104,10 @@ class Watch(RunRecorder):
     def attach(self, instance: Any) -> None:
         """Watch a new instance.
 
-        Where a record is kept, the instance is not: when nobody has it any more, its run is over,
-        and the record says so, since it may have to stand for a process that is killed later.
+        Only the first is kept, of which pictures may be taken, and that only where no record is:
+        when nobody has an instance any more, its run is over. Then its log is closed, since a
+        script may make thousands, and the record says so, since it may have to stand for a process
+        that is killed later.
 
         Parameters
         ----------
@@ -114,7 +116,7 @@ class Watch(RunRecorder):
         """
         self.arena = instance._arena
         self._tell_robot()
-        if self._record is None:
+        if self._record is None and self._recording.watches[0] is self:
             self.instance = instance
         else:
             weakref.finalize(instance, self.close, "finished", "").atexit = False

@@ -1,6 +1,7 @@
 """One driver: the same script meets the same end, in the same words, by whichever command."""
 
 import json
+import os
 import sys
 from dataclasses import asdict
 from pathlib import Path
@@ -8,6 +9,8 @@ from pathlib import Path
 import pytest
 
 import rps_compat
+from posflock_robotarium.logs.readers import read_pose_log
+from posflock_robotarium.logs.recorder import open_pose_log
 from posflock_robotarium.submission.bundle import bundle
 from posflock_robotarium.submission.environment import Environment
 from posflock_robotarium.submission.rehearse import rehearse
@@ -143,3 +146,24 @@ def test_a_rehearsal_puts_policy_violations_on_record(script, tmp_path):
     done = rehearse(tmp_path / "up", tmp_path / "back", environment=HERE)
     (violation,) = done.outcome.policy_violations
     assert (violation.kind, violation.line, violation.file) == ("network", 13, "main.py")
+
+
+def test_a_thousand_instances_need_no_thousand_open_files(tmp_path):
+    path = tmp_path / "many.py"
+    path.write_text(
+        "import os, numpy as np\nfrom rps.robotarium import Robotarium\n"
+        "for k in range(60):\n"
+        "    r = Robotarium(number_of_robots=1, show_figure=False)\n"
+        "    for _ in range(3):\n"
+        "        r.get_poses()\n        r.step()\n"
+        "with open('open.txt', 'w') as file:\n"
+        "    file.write(str(len(os.listdir('/proc/self/fd'))))\n"
+    )
+    before = len(os.listdir("/proc/self/fd"))
+    settings = RunSettings(
+        headless=True, initial="exact", out=tmp_path / "out", recorder=open_pose_log
+    )
+    outcome = run_script(path, (), settings)
+    assert len(outcome.reports) == 60
+    assert read_pose_log(tmp_path / "out" / "poses-7.npy").ending.how.value == "finished"
+    assert int((tmp_path / "open.txt").read_text()) < before + 20
