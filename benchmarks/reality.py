@@ -82,9 +82,9 @@ def predict(run: RealRun, profiles: Sequence[str], seeds: int, server: ForkServe
     assert source is not None
     with TrialRoom(source, 2, Limits(), server) as room:
         plans = {"ideal": [room.plan("ideal")]}
-        for name in profiles:
+        for number, name in enumerate(profiles):  # a file's name would be no name of a folder
             plans[name] = [
-                room.plan(f"{name}-{k}", load_profile(name), initial="arrive", seed=k)
+                room.plan(f"{number}-{k}", load_profile(name), initial="arrive", seed=k)
                 for k in range(seeds)
             ]
         ran = iter(room.run([plan for own in plans.values() for plan in own]))
