@@ -85,18 +85,15 @@ bench-report: $(VENV)/.dev  ## estimators against truth; cost of an analysis ove
 	$(BIN)/python benchmarks/report_scaling.py
 	$(BIN)/python benchmarks/replay_video.py
 
-bench-faults: $(VENV)/.dev  ## 500 kills, 40 hostile scripts in both containments, long runs
-	$(BIN)/python benchmarks/faults_hostile.py
-	$(BIN)/python benchmarks/faults_kills.py
-	$(BIN)/python benchmarks/faults_long_runs.py
-
 bench-fuzz: $(VENV)/.dev  ## twenty thousand damaged files through the readers of logs
 	$(BIN)/python benchmarks/fuzz_readers.py
 
-bench-faults: $(VENV)/.dev  ## 500 kills, full disks under every command, 2,000 files that are wrong in what they say
+bench-faults: $(VENV)/.dev  ## 500 kills, full disks, hostile scripts in both containments, files that lie, long runs
 	$(BIN)/python benchmarks/faults_kills.py
 	$(BIN)/python benchmarks/faults_full_disk.py
+	$(BIN)/python benchmarks/faults_hostile.py
 	$(BIN)/python benchmarks/fuzz_structures.py
+	$(BIN)/python benchmarks/faults_long_runs.py
 
 bench-machines: $(VENV)/.dev  ## how far runs of one seed drift apart from machine to machine
 	$(BIN)/python benchmarks/machine_differences.py
