@@ -20,7 +20,7 @@ from rps_compat.scripts.api import ApiName, Role
 from rps_compat.scripts.changes import Change, Kind
 from rps_compat.scripts.edits import Edit, Text
 from rps_compat.scripts.evidence import evidence_of
-from rps_compat.scripts.program import Program
+from rps_compat.scripts.interpretation import interpret
 from rps_compat.scripts.renaming import Renaming
 from rps_compat.scripts.source import Script, parse_script, read_script
 from rps_compat.scripts.uses import Use, uses_in
@@ -72,7 +72,7 @@ def findings_of(script: Script) -> list[LintFinding]:
     script : Script
         The script, as read.
     """
-    program = Program(script)
+    program = interpret(script)
     uses = [use for use in uses_in(program) if not use.ready and _is_told(use)]
     evidence = evidence_of(uses)
     text = Text(script)

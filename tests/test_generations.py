@@ -9,14 +9,14 @@ import pytest
 import rps_compat
 from rps_compat.errors import WrongGenerationError
 from rps_compat.scripts.evidence import evidence_in
-from rps_compat.scripts.program import Program
+from rps_compat.scripts.interpretation import interpret
 from rps_compat.scripts.source import parse_script
 
 ROBOTARIUM = "from rps.robotarium import Robotarium\n"
 
 
 def evidence(source, folder="nowhere"):
-    return evidence_in(Program(parse_script(textwrap.dedent(source).encode(), f"{folder}/s.py")))
+    return evidence_in(interpret(parse_script(textwrap.dedent(source).encode(), f"{folder}/s.py")))
 
 
 @pytest.mark.parametrize(

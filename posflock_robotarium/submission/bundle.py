@@ -41,7 +41,7 @@ from posflock_robotarium.verify.source import Source
 from rps_compat import testbed
 from rps_compat.bounded_files import read_bounded
 from rps_compat.scripts import import_graph, libraries
-from rps_compat.scripts.program import read_program
+from rps_compat.scripts.interpretation import read_program
 from rps_compat.scripts.source import read_script
 from rps_compat.scripts.uses import uses_in
 from rps_compat.whole_files import atomic_folder, remove_drafts, write_whole

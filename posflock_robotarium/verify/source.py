@@ -10,6 +10,7 @@ from pathlib import Path
 
 from posflock_robotarium.verify.constants import Names, constants_of
 from rps_compat.scripts import import_graph
+from rps_compat.scripts.interpretation import interpret
 from rps_compat.scripts.program import Program
 from rps_compat.scripts.source import Script
 from rps_compat.scripts.uses import Use, constructor_arguments, uses_in
@@ -52,7 +53,7 @@ class Source:
     @cached_property
     def program(self) -> Program:
         """What its names and expressions stand for."""
-        return Program(self.script)
+        return interpret(self.script)
 
     @cached_property
     def uses(self) -> list[Use]:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from rps_compat.scripts.assignments import Binder
 from rps_compat.scripts.exports import canonical
 from rps_compat.scripts.lookup import module_attribute
+from rps_compat.scripts.program import Module, Program
 from rps_compat.scripts.scopes import names_of, parameters_of
 from rps_compat.scripts.values import (
     ANYTHING,
@@ -23,9 +23,6 @@ from rps_compat.scripts.values import (
     elements,
     held,
 )
-
-if TYPE_CHECKING:
-    from rps_compat.scripts.program import Module, Program
 
 
 class Interpreter(Binder):
@@ -45,6 +42,7 @@ class Interpreter(Binder):
 
     def run(self) -> None:
         """Walk through the module, then through its functions."""
+        self.program.begin(self.module)
         self._walk(self.module.script.tree.body)
         while self.waiting:
             self._look_into(self.waiting.pop(0))
@@ -61,7 +59,7 @@ class Interpreter(Binder):
         names = names_of(node)
         scope = function.own
         if scope is None:
-            scope = function.own = Scope(self.module, function.scope, names.local)
+            scope = function.own = Scope(function.scope, names.local)
             scope.elsewhere = dict.fromkeys(names.taken_global, self.module.scope)
             for name in names.taken_nonlocal:
                 scope.elsewhere[name] = _scope_of(function.scope, name)
@@ -216,7 +214,7 @@ class Interpreter(Binder):
             made.bases |= bases
             self.program.grown = True
         outer = self.scope
-        self.scope = Scope(self.module, outer, live=True, is_class=True)
+        self.scope = Scope(outer, live=True, is_class=True)
         self.classes.append(made)
         self._walk(node.body)
         for name, values in self.scope.names.items():
@@ -243,9 +241,21 @@ class Interpreter(Binder):
             self.bind_name(alias.asname or top, self._module(bound))
 
     def _module(self, name: str) -> Values:
-        if self.program.imported(name) is not None:
+        if self._imported(name) is not None:
             return frozenset({OwnModule(name)})
         return frozenset({Origin(canonical(name))})
+
+    def _imported(self, name: str) -> Module | None:
+        """Return a module beside the script, or None; the first time, it runs.
+
+        The packages that it lies in run before it.
+        """
+        parts = name.split(".")
+        for k in range(1, len(parts) + 1):
+            module = self.program.module(".".join(parts[:k]))
+            if module is not None and module.name not in self.program.begun:
+                Interpreter(self.program, module).run()
+        return self.program.module(name)
 
     def visit_ImportFrom(self, node: ast.ImportFrom) -> None:
         """Bind what ``from a import b as c`` does, and take note of stars."""
@@ -254,7 +264,7 @@ class Interpreter(Binder):
             parts = self.module.package.split(".") if self.module.package else []
             parts = parts[: len(parts) - node.level + 1]
             base = ".".join([*parts, *([node.module] if node.module else [])])
-        own = self.program.imported(base) if base else None
+        own = self._imported(base) if base else None
         for alias in node.names:
             if alias.name == "*":
                 self.module.stars.append(base)
@@ -262,7 +272,7 @@ class Interpreter(Binder):
             inner = f"{base}.{alias.name}".lstrip(".")
             if own is not None:
                 values = module_attribute(self.program, own, alias.name) or self.program.absent
-            elif self.program.imported(inner) is not None:
+            elif self._imported(inner) is not None:
                 values = frozenset({OwnModule(inner)})
             else:
                 values = frozenset({Origin(canonical(inner))})

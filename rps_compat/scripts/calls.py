@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from rps_compat.scripts.lookup import attribute, member
+from rps_compat.scripts.program import Program
 from rps_compat.scripts.scopes import parameters_of
 from rps_compat.scripts.values import (
     ANYTHING,
@@ -24,9 +25,6 @@ from rps_compat.scripts.values import (
     held,
 )
 
-if TYPE_CHECKING:
-    from rps_compat.scripts.expressions import Evaluator
-
 #: Built-in functions that give a container with the same in it.
 _SAME_HELD = frozenset({"list", "tuple", "set", "sorted", "reversed", "iter", "frozenset"})
 #: Methods of containers that give what they hold, and such that give the like of them.
@@ -34,8 +32,23 @@ _TAKING = frozenset({"pop", "get", "popleft", "popitem", "setdefault"})
 _LIKE = frozenset({"copy", "values", "items"})
 
 
+class CallSite(Protocol):
+    """Where a call stands.
+
+    Attributes
+    ----------
+    program : Program
+        The script and the modules beside it.
+    classes : list of Class
+        Classes around the call, the innermost last.
+    """
+
+    program: Program
+    classes: list[Class]
+
+
 def called(
-    at: Evaluator,
+    at: CallSite,
     function: Values,
     node: ast.Call,
     given: Sequence[Values],
@@ -45,7 +58,7 @@ def called(
 
     Parameters
     ----------
-    at : Evaluator
+    at : CallSite
         Where the call stands.
     function : frozenset
         What is called.
@@ -67,7 +80,7 @@ def called(
 
 
 def _called_one(
-    at: Evaluator,
+    at: CallSite,
     value: Value,
     node: ast.Call,
     given: Sequence[Values],
@@ -97,7 +110,7 @@ def _called_one(
 
 
 def _imported(
-    at: Evaluator,
+    at: CallSite,
     path: str,
     node: ast.Call,
     given: Sequence[Values],
@@ -128,7 +141,7 @@ def _takes(target: Function | Method) -> int:
 
 
 def _enter(
-    at: Evaluator,
+    at: CallSite,
     function: Function,
     node: ast.Call,
     given: Sequence[Values],
@@ -157,7 +170,7 @@ def _enter(
 
 
 def _fill_fields(
-    at: Evaluator,
+    at: CallSite,
     of: Class,
     given: Sequence[Values],
     named: Mapping[str | None, Values],

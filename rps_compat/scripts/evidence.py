@@ -14,7 +14,8 @@ from pathlib import Path
 
 from rps_compat.generations import Generation
 from rps_compat.scripts.api import ApiName
-from rps_compat.scripts.program import Program, read_program
+from rps_compat.scripts.interpretation import read_program
+from rps_compat.scripts.program import Program
 from rps_compat.scripts.uses import Use, uses_in
 
 #: Names of the other generation beyond this many are counted only.

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import ast
-from typing import TYPE_CHECKING
 
 from rps_compat.scripts.calls import called
 from rps_compat.scripts.lookup import attribute, look_up
+from rps_compat.scripts.program import Module, Program
 from rps_compat.scripts.scopes import parameters_of
 from rps_compat.scripts.values import (
     ANYTHING,
@@ -19,9 +19,6 @@ from rps_compat.scripts.values import (
     elements,
     held,
 )
-
-if TYPE_CHECKING:
-    from rps_compat.scripts.program import Module, Program
 
 
 class Evaluator(ast.NodeVisitor):
@@ -72,7 +69,7 @@ class Evaluator(ast.NodeVisitor):
 
     def visit_Name(self, node: ast.Name) -> Values:
         """Look a name up."""
-        found, star = look_up(self.program, self.scope, node.id)
+        found, star = look_up(self.program, self.module, self.scope, node.id)
         if star:
             self.program.starred[node] = star
         return found
@@ -247,7 +244,7 @@ class Evaluator(ast.NodeVisitor):
     def _within(self, generators: list[ast.comprehension], made: list[ast.expr]) -> Values:
         """Evaluate `made` in the scope of a comprehension."""
         outer = self.scope
-        self.scope = Scope(self.module, outer, live=True)
+        self.scope = Scope(outer, live=True)
         for generator in generators:
             self.bind(generator.target, elements(self.value(generator.iter)))
             for test in generator.ifs:

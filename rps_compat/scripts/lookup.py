@@ -7,12 +7,13 @@ A name is the scope's own, or that of a scope around it, or the module's; then i
 from __future__ import annotations
 
 import builtins
-from typing import TYPE_CHECKING
 
 from rps_compat.scripts.changes import CHANGES
 from rps_compat.scripts.exports import canonical, exports
+from rps_compat.scripts.program import Module, Program
 from rps_compat.scripts.values import (
     ANYTHING,
+    FARTHEST,
     NONE,
     UNBOUND,
     UNKNOWN,
@@ -29,11 +30,6 @@ from rps_compat.scripts.values import (
     Values,
 )
 
-if TYPE_CHECKING:
-    from rps_compat.scripts.program import Module, Program
-
-#: An origin is followed no farther than this: ``x = x.T.copy()`` in a loop has no end.
-_LONGEST = 8
 _BUILTINS = frozenset(dir(builtins)) | {
     path.removeprefix("builtins.") for path in CHANGES if path.startswith("builtins.")
 }
@@ -41,7 +37,7 @@ _BUILTINS = frozenset(dir(builtins)) | {
 _CONVENTIONAL = {"np": "numpy", "plt": "matplotlib.pyplot"}
 
 
-def look_up(program: Program, scope: Scope, name: str) -> tuple[Values, str]:
+def look_up(program: Program, module: Module, scope: Scope, name: str) -> tuple[Values, str]:
     """Return what a name stands for, and the module whose star brought it, if one did.
 
     The second is "" where no star did.
@@ -50,15 +46,17 @@ def look_up(program: Program, scope: Scope, name: str) -> tuple[Values, str]:
     ----------
     program : Program
         The script and the modules beside it.
-    scope : Scope
+    module : Module
         Where it is asked for.
+    scope : Scope
+        Where in the module.
     name : str
         Name without dots.
     """
     found = _bound(scope, name)
     if found is not None and UNBOUND not in found:
         return found, ""
-    brought, star = _from_star(program, scope.module, name)
+    brought, star = _from_star(program, module, name)
     rest = (found or NONE) - {UNBOUND}
     if brought is None and not rest:
         known = name in _BUILTINS
@@ -157,7 +155,7 @@ def attribute(program: Program, values: Values, name: str) -> Values:
 def _attribute_of(program: Program, value: Value, name: str) -> Values:
     if isinstance(value, Origin):
         path = canonical(f"{value.path}.{name}")
-        return frozenset({Origin(path)}) if path.count(".") < _LONGEST else ANYTHING
+        return frozenset({Origin(path)}) if path.count(".") < FARTHEST else ANYTHING
     if isinstance(value, OwnModule):
         module = program.module(value.name)
         return (module and module_attribute(program, module, name)) or program.absent
@@ -199,7 +197,7 @@ def _inherited(of: Class, name: str, owner: Instance | Class, depth: int = 0) ->
         if isinstance(base, Origin):
             called = "()" if isinstance(owner, Instance) else ""
             out |= {Origin(canonical(f"{base.path}{called}.{name}"))}
-        elif isinstance(base, Class) and depth < _LONGEST:
+        elif isinstance(base, Class) and depth < FARTHEST:
             if name in base.attributes:
                 out |= member(base, name, owner)
             else:
@@ -221,22 +219,3 @@ def _asked_of(function: Function, owner: Instance | Class) -> Values:
     if isinstance(owner, Class) and "classmethod" not in how:
         return frozenset({function})
     return frozenset({Method(function, owner)})
-
-
-def bases_of(of: Class, depth: int = 0) -> set[str]:
-    """Return the paths of all that a class derives from, through classes of the script's own.
-
-    Parameters
-    ----------
-    of : Class
-        One of the script's own.
-    depth : int
-        How many classes deep this call is; circles end somewhere.
-    """
-    found: set[str] = set()
-    for base in of.bases:
-        if isinstance(base, Origin):
-            found.add(base.path)
-        elif isinstance(base, Class) and depth < _LONGEST:
-            found |= bases_of(base, depth + 1)
-    return found

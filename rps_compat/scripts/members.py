@@ -11,9 +11,9 @@ from rps_compat.scripts.api import ApiName
 from rps_compat.scripts.changes import Change, change_of
 from rps_compat.scripts.exports import canonical
 from rps_compat.scripts.libraries import is_available
-from rps_compat.scripts.lookup import bases_of, member
+from rps_compat.scripts.lookup import member
 from rps_compat.scripts.program import ROBOTS
-from rps_compat.scripts.values import Class, Instance, Origin
+from rps_compat.scripts.values import Class, Instance, Origin, bases_of
 
 
 def matter_of(path: str, name: str) -> ApiName | Change | None:

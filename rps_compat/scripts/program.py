@@ -1,10 +1,8 @@
-"""A script and the modules beside it, read together: what every name and expression stands for.
+"""A script and the modules beside it, with what is known of their names and expressions.
 
-This is a small abstract interpreter. It walks through the statements in order with a table of what
-each name stands for (:mod:`~rps_compat.scripts.bindings`), joins the tables where branches meet,
-goes through loops twice, and looks into functions with what they are called with. It does so again
-until nothing new turns up. Nothing is run, so what a name stands for is told only as far as
-imports, assignments, calls and annotations tell it.
+What is known is found by the :mod:`interpretation <rps_compat.scripts.interpretation>`, in several
+rounds, each of which goes through all that runs. What a round finds of functions, classes and
+attributes the next one knows from its beginning.
 """
 
 from __future__ import annotations
@@ -12,12 +10,10 @@ from __future__ import annotations
 import ast
 from collections import defaultdict
 from dataclasses import dataclass, field
-from pathlib import Path
 
 from rps_compat.errors import ScriptError
 from rps_compat.scripts.generation_names import ROBOTARIUM
 from rps_compat.scripts.libraries import SIMULATOR
-from rps_compat.scripts.lookup import bases_of
 from rps_compat.scripts.source import Script, read_script
 from rps_compat.scripts.values import (
     ANYTHING,
@@ -29,11 +25,10 @@ from rps_compat.scripts.values import (
     Scope,
     Value,
     Values,
+    bases_of,
     origins,
 )
 
-#: Rounds through the script after which the last one counts, whatever it brought.
-_ROUNDS = 8
 #: Modules beside a script that are read at most.
 _MODULES = 60
 #: Our own packages: they are not what a script consists of.
@@ -66,10 +61,7 @@ class Module:
     script: Script
     is_package: bool = False
     stars: list[str] = field(default_factory=list)
-    scope: Scope = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.scope = Scope(self)
+    scope: Scope = field(default_factory=Scope)
 
     @property
     def package(self) -> str:
@@ -78,7 +70,9 @@ class Module:
 
 
 class Program:
-    """A script with the modules beside it that it imports.
+    """A script with the modules beside it that it imports, and what is known of them.
+
+    Of a new one nothing is known: `rps_compat.scripts.interpretation.interpret` finds it out.
 
     Parameters
     ----------
@@ -103,44 +97,26 @@ class Program:
         self.grown = False
         #: What something stands for of which nothing is known: nothing yet, later anything.
         self.absent: Values = frozenset()
-        self._run_already: set[str] = set()
-        for self.absent in (frozenset(), ANYTHING):
-            self._interpret()
+        #: Names of the modules that have run in this round.
+        self.begun: set[str] = set()
 
-    def _interpret(self) -> None:
-        """Go through everything until nothing new turns up."""
-        for _ in range(_ROUNDS):
-            self.grown = False
-            self.values, self.starred = defaultdict(frozenset), {}
-            self._by_attribute = self._attributes_by_name()
-            self._run_already = set()
-            self._run(self.main)
-            if not self.grown:
-                break
+    def begin_round(self) -> None:
+        """Forget what expressions stand for; what was found of definitions and attributes stays."""
+        self.grown = False
+        self.values, self.starred = defaultdict(frozenset), {}
+        self._by_attribute = self._attributes_by_name()
+        self.begun = set()
 
-    def _run(self, module: Module) -> None:
-        from rps_compat.scripts.bindings import Interpreter
-
-        self._run_already.add(module.name)
-        module.scope.names, module.stars = {}, []
-        Interpreter(self, module).run()
-
-    def imported(self, name: str) -> Module | None:
-        """Return a module beside the script as :meth:`module` does, and run it the first time.
-
-        The packages that it lies in run before it.
+    def begin(self, module: Module) -> None:
+        """Take note that a module runs in this round: it binds its names anew.
 
         Parameters
         ----------
-        name : str
-            Its dotted name.
+        module : Module
+            The script, or one beside it.
         """
-        parts = name.split(".")
-        for k in range(1, len(parts) + 1):
-            module = self.module(".".join(parts[:k]))
-            if module is not None and module.name not in self._run_already:
-                self._run(module)
-        return self.module(name)
+        self.begun.add(module.name)
+        module.scope.names, module.stars = {}, []
 
     @property
     def modules(self) -> list[Module]:
@@ -275,21 +251,3 @@ class Program:
         values = self.values.get(node, ANYTHING)
         paths = origins(values)
         return paths.pop() if len(paths) == 1 and len(values - {UNKNOWN}) == 1 else ""
-
-
-def read_program(path: Path | str) -> Program:
-    """Read a script and the modules beside it.
-
-    Parameters
-    ----------
-    path : Path or str
-        The script's file.
-
-    Raises
-    ------
-    ScriptError
-        It is not there.
-    UnreadableError
-        It is not Python. A module beside it that is not is left out.
-    """
-    return Program(read_script(path))

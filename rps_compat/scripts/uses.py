@@ -2,7 +2,7 @@
 
 ``lint`` and its rewriting, ``verify``, ``run``'s notes, ``bundle`` and ``rehearse`` all take their
 findings from here. A name is the Robotarium's, numpy's or another library's only if what it is
-bound to says so (:mod:`~rps_compat.scripts.program`).
+bound to says so (:mod:`~rps_compat.scripts.interpretation`).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from rps_compat.scripts.faces import parameters
 from rps_compat.scripts.generation_names import OLD_COUNTED, ROBOTARIUM, UNMISTAKABLE, counterpart
 from rps_compat.scripts.guards import Guards
 from rps_compat.scripts.libraries import ABSENT, is_available
-from rps_compat.scripts.lookup import bases_of, member
+from rps_compat.scripts.lookup import member
 from rps_compat.scripts.members import is_elsewhere, matter_of, matter_with
 from rps_compat.scripts.program import ROBOTS, Module, Program
 from rps_compat.scripts.syntax import newer_syntax, newer_than_the_testbeds
@@ -33,6 +33,7 @@ from rps_compat.scripts.values import (
     Method,
     Origin,
     Values,
+    bases_of,
 )
 
 

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import ast
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
-if TYPE_CHECKING:
-    from rps_compat.scripts.program import Module
+#: Nothing is followed farther than this: ``x = x.T.copy()`` in a loop has no end.
+FARTHEST = 8
 
 
 @dataclass(frozen=True)
@@ -183,8 +183,6 @@ class Scope:
 
     Attributes
     ----------
-    module : Module
-        In which it lies.
     parent : Scope, optional
         Where its free names are looked up.
     local : frozenset of str, optional
@@ -203,7 +201,6 @@ class Scope:
         Whether it is a class.
     """
 
-    module: Module
     parent: Scope | None = None
     local: frozenset[str] | None = None
     names: dict[str, Values] = field(default_factory=dict)
@@ -254,3 +251,22 @@ def elements(values: Values) -> Values:
     for value in values:
         out |= value.values if isinstance(value, Held) else ANYTHING
     return out
+
+
+def bases_of(of: Class, depth: int = 0) -> set[str]:
+    """Return the paths of all that a class derives from, through classes of the script's own.
+
+    Parameters
+    ----------
+    of : Class
+        One of the script's own.
+    depth : int
+        How many classes deep this call is; circles end somewhere.
+    """
+    found: set[str] = set()
+    for base in of.bases:
+        if isinstance(base, Origin):
+            found.add(base.path)
+        elif isinstance(base, Class) and depth < FARTHEST:
+            found |= bases_of(base, depth + 1)
+    return found
