@@ -308,6 +308,9 @@ def main() -> int:
     begun = time.perf_counter()
     with tempfile.TemporaryDirectory() as place:
         one = structured(options.seed)
+        # What is imported for the first of each kind is not to be imported in every child.
+        for number in range(len(LOGS) + len(OTHERS)):
+            one(number, Path(place))
         outcomes, wrong = run(options.files, one, Path(place), options.keep)
     return tell(outcomes, wrong, time.perf_counter() - begun, FILES)
 
