@@ -32,7 +32,7 @@ from rps_compat.scripts import libraries
 ZOO = Path(__file__).parent / "zoo"
 FAULTY = sorted((ZOO / "faulty").glob("*.py"))
 SOUND = sorted(p for p in (ZOO / "sound").glob("*.py") if p.stem != "zoo_helper")
-LIMITS = Limits(stall=3.0, memory=1 << 30)
+LIMITS = Limits(stall=3.0, memory=1 << 30, disk=64 << 20)
 #: In the zoo, a comment at the end of a line says which finding is to name that line; with a
 #: tilde it names a time (or none) instead.
 _MARK = re.compile(r"# <([-~]) (\S+)(?: (\S+))?$", re.M)
