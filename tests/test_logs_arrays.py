@@ -8,6 +8,7 @@ from scipy.io import loadmat, savemat
 
 from posflock_robotarium.logs.readers.layouts import sideways_share, to_poses
 from posflock_robotarium.logs.readers.matlab5 import read_matlab5
+from posflock_robotarium.logs.readers.matlab_trees import by_dotted_name
 from posflock_robotarium.report import LayoutError, ReadOptions, read
 
 
@@ -127,7 +128,8 @@ def test_matlab_5_arrays_are_what_scipy_reads(tmp_path, kind, packed):
         "nothing": np.zeros((0, 3)),
     }
     savemat(tmp_path / "run.mat", variables, do_compression=packed)
-    ours, theirs = read_matlab5(tmp_path / "run.mat"), loadmat(tmp_path / "run.mat")
+    ours = by_dotted_name(read_matlab5(tmp_path / "run.mat"))
+    theirs = loadmat(tmp_path / "run.mat")
     assert set(ours) == {"cube", "row", "one", "nothing"}
     for name, array in ours.items():
         np.testing.assert_array_equal(array, theirs[name])

@@ -12,7 +12,7 @@ from posflock_robotarium.logs.readers.forms import (
     register,
     registered,
 )
-from posflock_robotarium.logs.readers.found import Found, ReadOptions
+from posflock_robotarium.logs.readers.found import Clock, Found, ReadOptions
 from posflock_robotarium.logs.readers.matlab import MATLAB
 from posflock_robotarium.logs.readers.numpy_archives import NPZ
 from posflock_robotarium.logs.readers.numpy_arrays import NPY
@@ -24,6 +24,7 @@ from posflock_robotarium.logs.run import LayoutError, Run
 
 __all__ = [
     "Bounds",
+    "Clock",
     "Form",
     "Found",
     "LayoutError",

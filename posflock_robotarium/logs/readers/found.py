@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from enum import Enum
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,13 @@ from posflock_robotarium.logs.readers.layouts import COLUMN_ORDERS
 Floats = NDArray[np.float64]
 
 
+class Clock(Enum):
+    """Whether a file's own times are used."""
+
+    FILE = "file"
+    NONE = "none"
+
+
 @dataclass(frozen=True)
 class ReadOptions:
     """What the user says about a file that does not say it itself.
@@ -23,17 +31,20 @@ class ReadOptions:
     Parameters
     ----------
     layout : str, optional
-        Axes of the array, one of ``T,3,N``, ``3,N,T``, ``T,N,3``, ``T,3N``, ``3N,T``.
+        Axes of the array, one of ``T,3,N``, ``3,N,T``, ``T,N,3``, ``T,3N``, ``3N,T``,
+        ``T,5N``, ``5N,T``.
     columns : str, optional
         ``state`` (x1…xN, y1…yN, …), ``robot`` (x1, y1, θ1, x2, …) or the names of all columns.
     dt : float, optional
-        Seconds between samples, for files without time.
+        Seconds between samples, for files without time or with times that are none.
     array : str, optional
         Which array of a file with several holds the poses.
     drop_damaged : bool
         Leave rows with values that are not finite out, and keep their place as a gap.
     bounds : Bounds
         How large the file may be.
+    clock : Clock
+        Whether the file's own times are used.
 
     Raises
     ------
@@ -47,6 +58,7 @@ class ReadOptions:
     array: str | None = None
     drop_damaged: bool = False
     bounds: Bounds = BOUNDS
+    clock: Clock = Clock.FILE
 
     def __post_init__(self) -> None:
         if self.dt is not None and not (np.isfinite(self.dt) and self.dt > 0):

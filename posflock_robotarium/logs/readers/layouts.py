@@ -2,10 +2,12 @@
 
 Robotarium scripts save poses as they please: ``(T, 3, N)``, ``(3, N, T)``, ``(T, N, 3)``, or flat
 tables ``(T, 3N)`` and ``(3N, T)`` with the columns grouped by state (x1…xN, y1…yN, θ1…θN) or by
-robot (x1, y1, θ1, x2, …). A shape often fits one reading only. Where it fits several, the data are
-asked one physical question that has a clear answer, *do the wheels roll where the heading points?*
-(a differential-drive robot cannot slide sideways), and where even that does not decide, the
-reader raises `LayoutError` and lists the readings. It never picks one silently.
+robot (x1, y1, θ1, x2, …), and the testbed's MATLAB interface keeps five numbers a robot, with the
+commands (``(5N, T)``: x1, y1, θ1, v1, ω1, x2, …). A shape often fits one reading only; that a count
+can be divided by three says nothing. Where it fits several, the data are asked one physical
+question that has a clear answer, *do the wheels roll where the heading points?* (a
+differential-drive robot cannot slide sideways), and where even that does not decide, the reader
+raises `LayoutError` and lists the readings. It never picks one silently.
 """
 
 from __future__ import annotations
@@ -41,7 +43,9 @@ class Layout:
     robots : callable
         From a shape to the number of robots, 0 where the layout does not fit.
     turn : callable
-        From the array to poses (T, 3, N).
+        From the array to poses (T, 3, N), or states (T, 5, N).
+    each : int
+        Numbers of each robot: 3, or 5 with its commands.
     """
 
     name: str
@@ -49,6 +53,7 @@ class Layout:
     columns: str
     robots: Callable[[tuple[int, ...]], int]
     turn: Callable[[Floats], Floats]
+    each: int = 3
 
     @property
     def label(self) -> str:
@@ -60,40 +65,52 @@ def _stacked(axis: int, robots: int) -> Callable[[tuple[int, ...]], int]:
     return lambda shape: shape[robots] if shape[axis] == 3 else 0
 
 
-def _flat(axis: int) -> Callable[[tuple[int, ...]], int]:
-    return lambda shape: shape[axis] // 3 if shape[axis] % 3 == 0 else 0
+def _flat(axis: int, each: int) -> Callable[[tuple[int, ...]], int]:
+    return lambda shape: shape[axis] // each if shape[axis] % each == 0 else 0
 
 
-def _by_state(table: Floats) -> Floats:
-    return np.asarray(table.reshape(len(table), 3, -1))
+def _by_state(each: int, along: int) -> Callable[[Floats], Floats]:
+    def turn(table: Floats) -> Floats:
+        rows = table if along else table.T
+        return np.asarray(rows.reshape(len(rows), each, -1))
+
+    return turn
 
 
-def _by_robot(table: Floats) -> Floats:
-    return np.asarray(table.reshape(len(table), -1, 3).transpose(0, 2, 1))
+def _by_robot(each: int, along: int) -> Callable[[Floats], Floats]:
+    def turn(table: Floats) -> Floats:
+        rows = table if along else table.T
+        return np.asarray(rows.reshape(len(rows), -1, each).transpose(0, 2, 1))
+
+    return turn
 
 
 LAYOUTS: tuple[Layout, ...] = (
     Layout("T,3,N", 3, "", _stacked(1, 2), lambda a: a),
     Layout("3,N,T", 3, "", _stacked(0, 1), lambda a: a.transpose(2, 0, 1)),
     Layout("T,N,3", 3, "", _stacked(2, 1), lambda a: a.transpose(0, 2, 1)),
-    Layout("T,3N", 2, "state", _flat(1), _by_state),
-    Layout("T,3N", 2, "robot", _flat(1), _by_robot),
-    Layout("3N,T", 2, "state", _flat(0), lambda a: _by_state(a.T)),
-    Layout("3N,T", 2, "robot", _flat(0), lambda a: _by_robot(a.T)),
+    *(
+        Layout(name.format(each), 2, order, _flat(axis, each), turn(each, axis), each)
+        for each in (3, 5)
+        for name, axis in (("T,{}N", 1), ("{}N,T", 0))
+        for order, turn in (("state", _by_state), ("robot", _by_robot))
+    ),
 )
 NAMES = tuple(dict.fromkeys(layout.name for layout in LAYOUTS))
 COLUMN_ORDERS = ("state", "robot")
+MATLABS_OWN = "robotarium_data"
+"""What the testbed's MATLAB interface calls its log, 5N numbers at each time, by robot."""
 
 
-def to_poses(
+def to_states(
     array: Floats,
     where: str,
     layout: str | None = None,
     columns: str | None = None,
     *,
     samples: int | None = None,
-) -> tuple[Floats, str]:
-    """Bring an array of poses to shape (T, 3, N) and say which layout it had.
+) -> tuple[Floats, Floats | None, str]:
+    """Bring an array to poses and, where it has some, commands, and say which layout it had.
 
     Parameters
     ----------
@@ -112,6 +129,8 @@ def to_poses(
     -------
     poses : (T, 3, N) array
         A view where possible.
+    commands : (T, 2, N) array, optional
+        Speeds, m/s, and turn rates, rad/s.
     label : str
         The sentence for the report.
 
@@ -137,13 +156,48 @@ def to_poses(
         asked = f"layout {layout}" if named else "any known layout " + " ".join(NAMES)
         raise LayoutError(
             f"{where}: shape {array.shape} does not fit {asked} "
-            f"(3 numbers a robot{'' if named else f', at most {MOST_ROBOTS} robots'}, "
+            f"(3 or 5 numbers a robot{'' if named else f', at most {MOST_ROBOTS} robots'}, "
             f"{'at least 2' if samples is None else samples} samples); name one with --layout"
         )
     if len(fits) == 1:
         how = "as asked" if layout is not None else "the only one that fits the shape"
-        return fits[0].turn(array), f"layout {fits[0].label}, {how}"
-    return _decide_by_rolling(array, where, fits)
+        chosen, label = fits[0], f"layout {fits[0].label}, {how}"
+    else:
+        chosen, label = _decide_by_rolling(array, where, fits)
+    states = chosen.turn(array)
+    if chosen.each == 3:
+        return states, None, label
+    return states[:, :3], states[:, 3:], f"{label}; five numbers a robot: x, y, heading, v and ω"
+
+
+def to_poses(
+    array: Floats,
+    where: str,
+    layout: str | None = None,
+    columns: str | None = None,
+) -> tuple[Floats, str]:
+    """Return the poses of `to_states` alone, and the sentence for the report.
+
+    Parameters
+    ----------
+    array : two or three axes, (...) array
+        Poses in any of `LAYOUTS`, m and rad.
+    where : str
+        File (and variable) name for messages.
+    layout : str, optional
+        One of `NAMES`; when given, only this one is tried.
+    columns : {'state', 'robot'}, optional
+        Order of the columns of a flat table.
+
+    Returns
+    -------
+    poses : (T, 3, N) array
+        A view where possible.
+    label : str
+        The sentence for the report.
+    """
+    poses, _, label = to_states(array, where, layout, columns)
+    return poses, label
 
 
 def _fitting(
@@ -159,12 +213,51 @@ def _fitting(
         and (columns is None or candidate.columns in ("", columns))
         and 0 < candidate.robots(shape) <= (size if named else MOST_ROBOTS)
     ]
-    lengths = {id(c): size // (3 * c.robots(shape)) for c in fits}
+    lengths = {id(c): size // (c.each * c.robots(shape)) for c in fits}
     fits = [c for c in fits if lengths[id(c)] > 1 and samples in (None, lengths[id(c)])]
     # With one robot, both orders of columns are the same columns.
-    if len(fits) == 2 and all(c.axes == 2 and c.robots(shape) == 1 for c in fits):
-        fits = fits[:1] if fits[0].name == fits[1].name else fits
-    return fits
+    return [
+        c for c in fits if not (c.columns == "robot" and columns is None and c.robots(shape) == 1)
+    ]
+
+
+def may_be_poses(shape: tuple[int, ...], samples: int | None = None) -> bool:
+    """Tell whether an array of this shape can be read as poses over time at all.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Of the array.
+    samples : int, optional
+        How many times there are, where that is known.
+    """
+    return bool(_fitting(shape, None, None, samples))
+
+
+def split_time(table: Floats) -> tuple[Floats | None, Floats, str | None]:
+    """Take the time off a table without names: the first column or row, if it increases throughout.
+
+    Parameters
+    ----------
+    table : (rows, columns) array
+        With one row or column more than whole robots need, where it has a time.
+
+    Returns
+    -------
+    t : (T,) array, optional
+        The times, None where there are none.
+    rest : (rows, columns) array
+        What is left.
+    along : str, optional
+        ``row`` or ``column``, whichever the time was.
+    """
+    for axis, along in ((1, "column"), (0, "row")):
+        more = table.shape[axis] - 1
+        if more > 0 and (more % 3 == 0 or more % 5 == 0) and table.shape[1 - axis] > 1:
+            first = table[:, 0] if axis == 1 else table[0]
+            if increases(first):
+                return first, table[:, 1:] if axis == 1 else table[1:], along
+    return None, table, None
 
 
 def _known(name: str | None, names: tuple[str, ...], option: str) -> str | None:
@@ -216,19 +309,20 @@ def sideways_share(poses: Floats) -> float:
     return float(np.sum(across * across)) / total if total > 0 else float("nan")
 
 
-def _decide_by_rolling(array: Floats, where: str, fits: list[Layout]) -> tuple[Floats, str]:
+def _decide_by_rolling(array: Floats, where: str, fits: list[Layout]) -> tuple[Layout, str]:
     readings = ", ".join(f"{c.label} with {c.robots(array.shape)} robots" for c in fits)
     with np.errstate(all="ignore"):
         shares = [sideways_share(c.turn(array)) for c in fits]
     order = np.argsort(shares, kind="stable")
     best, second = shares[order[0]], shares[order[1]]
     if not (np.isfinite(best) and np.isfinite(second) and best < 0.05 and second > 5 * best + 0.1):
+        options = " or ".join(dict.fromkeys(f"--layout {c.name}" for c in fits))
         raise LayoutError(
-            f"{where}: shape {array.shape} can be read as {readings}; "
-            "say which with --layout (and --columns state or robot for a flat table)"
+            f"{where}: shape {array.shape} can be read as {readings}; say which with {options} "
+            "(and --columns state or robot for a flat table)"
         )
     chosen = fits[order[0]]
-    return chosen.turn(array), (
+    return chosen, (
         f"layout {chosen.label}: the shape also fits {len(fits) - 1} other(s), but only so do the "
         f"robots roll where they head ({100 * best:.1f} % of the motion is sideways, "
         f"against {100 * second:.0f} %)"

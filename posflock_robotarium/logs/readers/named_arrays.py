@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.logs.readers import parameters
 from posflock_robotarium.logs.readers.found import Found, ReadOptions
-from posflock_robotarium.logs.readers.layouts import to_poses
+from posflock_robotarium.logs.readers.layouts import MATLABS_OWN, may_be_poses, to_states
 from posflock_robotarium.logs.readers.names import (
     COMMAND_NAMES,
     POSE_NAMES,
@@ -42,7 +42,7 @@ def poses_among(
     """
     described = arrays.get(parameters.NAME)
     arrays = {name: array for name, array in arrays.items() if name != parameters.NAME}
-    names = {name.lower(): name for name in arrays}
+    names = _short_names(arrays)
     notes = [f"{kind} with {', '.join(arrays)}"]
     t = next((_line(arrays[names[n]], where) for n in TIME_NAMES if n in names), None)
     if t is not None and t.size < 2:
@@ -54,20 +54,21 @@ def poses_among(
         for state in STATE_NAMES
     ]
     asked = options.array
+    commands: Floats | None = None
     if asked is None and all(name is not None for name in triple):
         poses, how = _stack([arrays[str(name)] for name in triple], where, samples)
         notes.append(f"x, y and heading from {', '.join(map(str, triple))}; {how}")
     else:
         name = _pose_array(arrays, names, where, asked, t)
         array = floats(arrays[name], f"{where}: {name}")
-        poses, how = to_poses(
-            array, f"{where}: {name}", options.layout, options.order, samples=samples
-        )
+        layout, order = _as_matlab_does(name, array.shape, options)
+        poses, commands, how = to_states(array, f"{where}: {name}", layout, order, samples=samples)
         notes.append(f"poses from {name}, shape {array.shape}, {how}")
-    command = next((arrays[names[n]] for n in COMMAND_NAMES if n in names), None)
-    found = _command(command, poses.shape) if command is not None else None
-    if found is not None:
-        notes.append("commands were recorded too")
+    command = next((names[n] for n in COMMAND_NAMES if n in names), None)
+    if command is not None and commands is None:
+        commands = _command(arrays[command], poses.shape)
+        if commands is not None:
+            notes.append(f"commands were recorded too: {command}")
     said: dict[str, Any] = {}
     promised: int | None = None
     if described is not None:
@@ -79,7 +80,7 @@ def poses_among(
         t,
         poses,
         tuple(notes),
-        found,
+        commands,
         dt,
         intervention=_number_each_step(arrays.get("intervention"), len(poses)),
         clearance=_number_each_step(arrays.get("clearance"), len(poses)),
@@ -87,6 +88,26 @@ def poses_among(
         parameters=said,
         promised=promised,
     )
+
+
+def _short_names(arrays: Mapping[str, NDArray[Any]]) -> dict[str, str]:
+    """Return the arrays' names by what they may be called: ``data.poses`` is ``poses``, too."""
+    names: dict[str, str] = {}
+    tails = [name.rpartition(".")[2].lower() for name in arrays]
+    for name, tail in zip(arrays, tails, strict=True):
+        if tails.count(tail) == 1:
+            names[tail] = name
+    return names | {name.lower(): name for name in arrays}
+
+
+def _as_matlab_does(
+    name: str, shape: tuple[int, ...], options: ReadOptions
+) -> tuple[str | None, str | None]:
+    """Return the layout and order of columns: the testbed's own, where the array has its name."""
+    own = name.rpartition(".")[2].lower() == MATLABS_OWN and len(shape) == 2 and shape[0] % 5 == 0
+    if own and options.layout is None and options.order is None:
+        return "5N,T", "robot"
+    return options.layout, options.order
 
 
 def codes_of(words: NDArray[np.str_]) -> NDArray[np.uint32]:
@@ -148,7 +169,7 @@ def _pose_array(
         for name, array in arrays.items()
         if array.ndim in (2, 3)
         and array.dtype.kind in "fiu"
-        and any(s % 3 == 0 for s in array.shape)
+        and may_be_poses(array.shape, None if t is None else len(t))
         and array.size >= 6
         and min(array.shape) >= 1
         and array.size != max(array.shape)

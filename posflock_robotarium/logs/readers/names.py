@@ -4,8 +4,19 @@ from __future__ import annotations
 
 import re
 
-POSE_NAMES = ("poses", "pose", "states", "state", "x_data", "xdata", "trajectory", "trajectories")
-COMMAND_NAMES = ("command", "commands", "dxu")
+POSE_NAMES = (
+    "poses",
+    "pose",
+    "pose_data",
+    "states",
+    "state",
+    "x_data",
+    "xdata",
+    "trajectory",
+    "trajectories",
+    "robotarium_data",
+)
+COMMAND_NAMES = ("command", "commands", "dxu", "input_data", "inputs")
 STEP_NAMES = ("dt", "time_step", "timestep")
 TIME_NAMES = ("t", "time", "timestamp", "timestamps", "times", "seconds", "stamp", "sec", "time_s")
 ROBOT_NAMES = ("robot", "id", "robot_id", "agent", "agent_id", "i")

@@ -19,7 +19,7 @@ from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.logs.readers.bounds import BOUNDS, Bounds
 from posflock_robotarium.logs.readers.forms import Form, Sign
 from posflock_robotarium.logs.readers.found import Found, ReadOptions
-from posflock_robotarium.logs.readers.layouts import increases, to_poses
+from posflock_robotarium.logs.readers.layouts import split_time, to_states
 from posflock_robotarium.logs.readers.named_arrays import floats, poses_among
 
 Floats = NDArray[np.float64]
@@ -67,16 +67,12 @@ def _by_shape(array: Floats, where: str, options: ReadOptions) -> Found:
     t: Floats | None = None
     layout = options.layout
     if array.ndim == 2 and layout is None and array.size:
-        # One row or column more than three a robot, and always increasing: that is the time.
-        for axis, name in ((1, "T,3N"), (0, "3N,T")):
-            if array.shape[axis] % 3 == 1 and array.shape[axis] > 3 and array.shape[1 - axis] > 1:
-                first = array[:, 0] if axis else array[0]
-                if increases(first):
-                    t, array, layout = first, array[:, 1:] if axis else array[1:], name
-                    notes.append("first row or column increases throughout: taken for the time")
-                    break
-    poses, how = to_poses(array, where, layout, options.order)
-    return Found(t, poses, (*notes, how))
+        t, array, along = split_time(array)
+        if along is not None:
+            notes.append(f"the first {along} increases throughout: taken for the time")
+    samples = None if t is None else len(t)
+    poses, commands, how = to_states(array, where, layout, options.order, samples=samples)
+    return Found(t, poses, (*notes, how), commands)
 
 
 def read_npy(path: Path, bounds: Bounds = BOUNDS) -> NDArray[Any]:

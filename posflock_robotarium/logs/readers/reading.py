@@ -9,7 +9,6 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -25,12 +24,10 @@ from posflock_robotarium.logs.readers.named_arrays import poses_among
 from posflock_robotarium.logs.readers.names import STATE_NAMES, TIME_NAMES
 from posflock_robotarium.logs.readers.numpy_arrays import NPY, read_npy
 from posflock_robotarium.logs.readers.pose_logs import FIELDS, POSE_LOG, run_of
-from posflock_robotarium.logs.run import LayoutError, Run, missing_rows
+from posflock_robotarium.logs.readers.timing import timed
+from posflock_robotarium.logs.run import Run, missing_rows
 
 Floats = NDArray[np.float64]
-
-LONGEST_STEP = 5.0
-"""Seconds between poses beyond which nothing is told of motion, and times have another unit."""
 
 
 def read(path: str | os.PathLike[str], options: ReadOptions | None = None) -> Run:
@@ -145,8 +142,8 @@ def _existing(path: Path) -> Path:
 def _recording(found: Found, name: str, sources: tuple[str, ...], options: ReadOptions) -> Run:
     """Time what was found, leave out what is none, and check it."""
     options.bounds.require_robots(found.poses.shape[2], sources[0])
-    timed, doubts = found.t is not None, missing_rows(len(found.poses), found.promised)
-    found = _without_tail(_timed(found, sources[0], options))
+    recorded, doubts = found.t is not None, missing_rows(len(found.poses), found.promised)
+    found = _without_tail(timed(found, sources[0], options))
     if options.drop_damaged:
         found = _without_damage(found)
     t = np.asarray(found.t)
@@ -164,41 +161,9 @@ def _recording(found: Found, name: str, sources: tuple[str, ...], options: ReadO
         parameters=found.parameters,
         notes=found.notes,
         sources=sources,
-        timed=timed,
+        timed=recorded,
         doubts=doubts,
     )
-
-
-def _timed(found: Found, where: str, options: ReadOptions) -> Found:
-    """Give each pose its seconds: the file's own, or counted in the steps that are known."""
-    if found.t is None:
-        dt = options.dt or found.dt
-        if dt is None:
-            raise LayoutError(
-                f"{where}: no time in it; say the seconds between samples, for example "
-                "--dt 0.033 (the testbed's step)"
-            )
-        t: Floats = dt * np.arange(len(found.poses), dtype=float)
-        found = found.noted(f"no time in the file: samples {dt:g} s apart")
-    else:
-        t = found.t
-        if options.dt is not None:
-            found = found.noted("--dt not used: the file has times of its own")
-    if len(t) != len(found.poses):
-        raise LogError(f"{where}: {len(t)} times for {len(found.poses)} poses")
-    if (step := _usual_step(t)) > LONGEST_STEP:
-        raise LayoutError(
-            f"{where}: {step:g} s from one pose to the next, expected at most {LONGEST_STEP:g} s: "
-            "are the times in milliseconds? Write them in seconds, or name the column time_ms"
-        )
-    return replace(found, t=t)
-
-
-def _usual_step(t: Floats) -> float:
-    """Return the median time between poses, s; 0 where no two times are known."""
-    known = t[np.isfinite(t)]
-    with np.errstate(over="ignore"):
-        return float(np.median(np.diff(known))) if len(known) > 1 else 0.0
 
 
 def _without_tail(found: Found) -> Found:

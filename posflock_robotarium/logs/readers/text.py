@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.logs.readers.forms import Form, Sign
 from posflock_robotarium.logs.readers.found import Found, ReadOptions
-from posflock_robotarium.logs.readers.layouts import increases, to_poses
+from posflock_robotarium.logs.readers.layouts import split_time, to_states
 from posflock_robotarium.logs.readers.names import (
     MILLISECONDS,
     ROBOT_NAMES,
@@ -74,10 +74,11 @@ def read_text(path: Path, options: ReadOptions) -> Found:
         notes.append("columns named by --columns")
     elif names and by_name:
         notes.append("columns found by their names in the header")
+    commands: Floats | None = None
     if names and by_name:
         t, poses = _by_name(table, names, notes)
     else:
-        t, poses = _without_names(table, options, notes)
+        t, poses, commands = _without_names(table, options, notes)
     if table.parameters:
         notes.append("parameters of the run came with the file")
     if table.torn:
@@ -86,7 +87,12 @@ def read_text(path: Path, options: ReadOptions) -> Found:
             + ("it was cut off, and is left out" if table.promised is not None else _PERHAPS_CUT)
         )
     return Found(
-        t, poses, tuple(notes), parameters=table.parameters, promised=_samples(table, len(poses))
+        t,
+        poses,
+        tuple(notes),
+        commands,
+        parameters=table.parameters,
+        promised=_samples(table, len(poses)),
     )
 
 
@@ -113,22 +119,17 @@ TEXT = Form(
 
 def _without_names(
     table: Table, options: ReadOptions, notes: list[str]
-) -> tuple[Floats | None, Floats]:
+) -> tuple[Floats | None, Floats, Floats | None]:
     notes.append("no header")
-    values, layout = table.values, options.layout
-    t: Floats | None = None
-    for axis, along in ((1, "column"), (0, "row")):
-        if values.shape[axis] % 3 == 1 and values.shape[axis] > 3 and values.shape[1 - axis] > 1:
-            first = values[:, 0] if axis == 1 else values[0]
-            if increases(first):
-                t, values = first, values[:, 1:] if axis == 1 else values[1:]
-                notes.append(f"the first {along} increases throughout: taken for the time")
-                if layout is None:
-                    layout = "T,3N" if axis == 1 else "3N,T"
-                break
-    poses, how = to_poses(values, str(table.path), layout, options.order)
+    t, values, along = split_time(table.values)
+    if along is not None:
+        notes.append(f"the first {along} increases throughout: taken for the time")
+    samples = None if t is None else len(t)
+    poses, commands, how = to_states(
+        values, str(table.path), options.layout, options.order, samples=samples
+    )
     notes.append(how)
-    return t, poses
+    return t, poses, commands
 
 
 @dataclass
