@@ -65,7 +65,7 @@ from rps_compat.motor_effects import (
     TurnBias,
     WheelSlew,
 )
-from rps_compat.step_times import Clock, StepTimes
+from rps_compat.step_times import Clock, StepParts
 from rps_compat.tracking_effects import (
     HeadingOffset,
     TrackingDropout,
@@ -221,7 +221,7 @@ class Imperfections(Realism, HearsSilence, KeepsTime):
         self.profile = profile
         self.commanded = True
         self.seconds = 0.0
-        self._times: StepTimes = tuple
+        self._times: StepParts = tuple
         self._motors: list[MotorStage] = []
         self._tracking: list[TrackingStage] = []
         self._speeds = np.zeros(0)

@@ -22,7 +22,7 @@ from barrier_certificates import ties
 from rps_compat.distributions import Curve, require
 
 #: Gives the seconds of the parts of one more step.
-StepTimes = Callable[[], tuple[float, ...]]
+StepParts = Callable[[], tuple[float, ...]]
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class Clock:
         shares, seconds = (np.array(axis) for axis in zip(*self.quantiles.points, strict=True))
         return float(np.sum(np.diff(shares) * (seconds[1:] + seconds[:-1]) / 2))
 
-    def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> StepTimes:
+    def begin(self, robots: int, time_step: float, rng: np.random.Generator) -> StepParts:
         """Return what draws one step after the other.
 
         Parameters

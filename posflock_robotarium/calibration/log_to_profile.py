@@ -26,7 +26,7 @@ from posflock_robotarium.calibration.plausibility import (
 )
 from posflock_robotarium.calibration.residuals import damaged, hidden_stalls
 from posflock_robotarium.calibration.result import Calibration, Jitter, PerRobot, Unexplained
-from posflock_robotarium.calibration.step_times import Origin, StepTimes, step_times_of
+from posflock_robotarium.calibration.step_times import StepTimes, TimesOrigin, step_times_of
 from posflock_robotarium.calibration.tracking import heading_offsets, lateral_jitter
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.logs.run import Run
@@ -54,7 +54,7 @@ def calibrate(log: Run, step_times: float | Floats | None = None) -> Calibration
     if log.commands is None:
         raise LogError(f"{log.name}: {NO_COMMANDS}")
     times = step_times_of(log, step_times)
-    sightings = sightings_of(log, times.t, times.origin is Origin.NOMINAL)
+    sightings = sightings_of(log, times.t, times.origin is TimesOrigin.NOMINAL)
     if float(sightings.jumps.mean()) > TOO_MANY_JUMPS:
         raise LogError(
             f"{log.name}: in {sightings.jumps.mean():.0%} of the rows robots would have driven"
@@ -69,7 +69,7 @@ def calibrate(log: Run, step_times: float | Floats | None = None) -> Calibration
     data = increments_of(log, known, times, sightings)
     fit = Fit(data)
     fitted = fit.solve()
-    if times.origin is Origin.NOMINAL and (stalls := hidden_stalls(fit, sightings.stalls)):
+    if times.origin is TimesOrigin.NOMINAL and (stalls := hidden_stalls(fit, sightings.stalls)):
         times = times.without(stalls)
         data = increments_of(log, known, times, sightings)
         fit = Fit(data)

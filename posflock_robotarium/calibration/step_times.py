@@ -34,7 +34,7 @@ MEMORY = 1.0
 _PLAUSIBLE = (0.005, 0.5)
 
 
-class Origin(Enum):
+class TimesOrigin(Enum):
     """Where the times of a log's rows come from."""
 
     RECORDED = "as recorded"
@@ -54,7 +54,7 @@ class StepTimes:
     usable : (K,) boolean array
         Which steps tell what robots were told: no stall in which they may have braked, no missing
         rows, nothing shortly after either.
-    origin : Origin
+    origin : TimesOrigin
         Where the times come from.
     unclear : tuple of float
         Seconds of the run at which steps are left out.
@@ -64,7 +64,7 @@ class StepTimes:
 
     steps: Floats
     usable: NDArray[np.bool_]
-    origin: Origin
+    origin: TimesOrigin
     unclear: tuple[float, ...] = ()
     hidden: tuple[tuple[float, float], ...] = ()
 
@@ -91,7 +91,7 @@ class StepTimes:
     def warnings(self) -> tuple[str, ...]:
         """What must be known of the times before the fit is believed."""
         said = []
-        if self.origin is Origin.NOMINAL:
+        if self.origin is TimesOrigin.NOMINAL:
             low, high = (100 * (mean / self.median - 1) for mean in MEASURED_MEANS)
             said.append(
                 f"every step of the log takes {1e3 * self.median:.4g} ms: a nominal time, not a"
@@ -163,7 +163,7 @@ def step_times_of(log: Run, given: float | Floats | None = None) -> StepTimes:
     if rows < _LEAST_ROWS:
         raise LogError(f"the log has {rows} rows; a calibration needs {_LEAST_ROWS}")
     steps = np.diff(log.t if given is None else retimed(log, given).t)
-    origin = _origin(log, steps) if given is None else Origin.GIVEN
+    origin = _origin(log, steps) if given is None else TimesOrigin.GIVEN
     median = float(np.median(steps))
     if not _PLAUSIBLE[0] <= median <= _PLAUSIBLE[1]:
         raise LogError(
@@ -212,10 +212,10 @@ def _checked(given: Floats, steps: int) -> Floats:
     return given
 
 
-def _origin(log: Run, steps: Floats) -> Origin:
+def _origin(log: Run, steps: Floats) -> TimesOrigin:
     if log.simulated:
-        return Origin.SIMULATED
-    return Origin.NOMINAL if _on_a_grid(steps) else Origin.RECORDED
+        return TimesOrigin.SIMULATED
+    return TimesOrigin.NOMINAL if _on_a_grid(steps) else TimesOrigin.RECORDED
 
 
 def _on_a_grid(steps: Floats) -> bool:
