@@ -15,7 +15,7 @@ from benchmarks.simulated_testbed import (
     real_steps,
     simulated_testbed,
 )
-from posflock_robotarium.calibration import Kind, calibrate, resimulate, retimed
+from posflock_robotarium.calibration import FittedParameter, calibrate, resimulate, retimed
 from posflock_robotarium.cli import app
 from posflock_robotarium.flocking.errors import LogError, ParameterError
 from posflock_robotarium.logs.run import Run
@@ -231,7 +231,7 @@ def taught(speed, turn, rows=ROWS, start=0, seed=5):
 def test_a_robot_that_never_turned_has_everything_else():
     log, truth = taught(None, 0.0)
     found = calibrate(log)
-    assert left_out(found) == {(Kind.TURN_GAIN, 0), (Kind.TURN_GAIN, 1)}
+    assert left_out(found) == {(FittedParameter.TURN_GAIN, 0), (FittedParameter.TURN_GAIN, 1)}
     assert found.turn_gain == (None, None)
     assert [e.value for e in found.speed_gain] == pytest.approx(truth.speed_gain, rel=0.01)
     assert [e.value for e in found.turn_bias] == pytest.approx(truth.turn_bias, abs=0.003)
@@ -243,7 +243,7 @@ def test_a_circle_does_not_tell_the_turn_gain_from_a_bias():
     """What is left out widens the interval of what it could hide in."""
     log, truth = taught(None, 0.5)
     found = calibrate(log)
-    assert {(Kind.TURN_BIAS, 0), (Kind.TURN_BIAS, 1)} <= left_out(found)
+    assert {(FittedParameter.TURN_BIAS, 0), (FittedParameter.TURN_BIAS, 1)} <= left_out(found)
     assert "cannot tell it from the turn gain of robot 0" in str(found.left_out[0])
     for estimate, true in zip(found.turn_gain, truth.turn_gain, strict=True):
         assert holds(estimate, true)
@@ -254,7 +254,7 @@ def test_a_circle_does_not_tell_the_turn_gain_from_a_bias():
 def test_constant_commands_in_a_log_that_begins_in_motion_give_gains_only():
     log, truth = taught(0.1, 0.4, start=120)
     found = calibrate(log)
-    assert {(Kind.DEAD_TIME, None), (Kind.LAG, None)} < left_out(found)
+    assert {(FittedParameter.DEAD_TIME, None), (FittedParameter.LAG, None)} < left_out(found)
     assert (found.dead_time, found.lag) == (None, None)
     for estimate, true in zip(found.speed_gain, truth.speed_gain, strict=True):
         assert holds(estimate, true)
@@ -267,7 +267,7 @@ def test_a_robot_that_turned_on_the_spot_has_no_speed_gain_of_its_own():
     speed[:, 1] = 0.0
     log, truth = taught(speed, None)
     found = calibrate(log)
-    assert left_out(found) == {(Kind.SPEED_GAIN, 1), (Kind.HEADING_OFFSET, 1)}
+    assert left_out(found) == {(FittedParameter.SPEED_GAIN, 1), (FittedParameter.HEADING_OFFSET, 1)}
     assert holds(found.speed_gain[0], truth.speed_gain[0])
     given = found.profile().gains.speed.values
     assert given == (found.speed_gain[0].value, found.speed_gain[0].value)

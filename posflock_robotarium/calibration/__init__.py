@@ -30,7 +30,7 @@ driven.
 """
 
 from posflock_robotarium.calibration.estimate import Estimate
-from posflock_robotarium.calibration.identifiability import Kind, LeftOut
+from posflock_robotarium.calibration.identifiability import FittedParameter, LeftOut
 from posflock_robotarium.calibration.log_to_profile import calibrate
 from posflock_robotarium.calibration.resimulate import (
     read_commanded,
@@ -44,7 +44,7 @@ from posflock_robotarium.calibration.step_times import read_step_times, retimed
 __all__ = [
     "Calibration",
     "Estimate",
-    "Kind",
+    "FittedParameter",
     "LeftOut",
     "calibrate",
     "delayed",

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from posflock_robotarium.calibration.identifiability import (
+    FittedParameter,
     Flags,
-    Kind,
-    Layout,
     LeftOut,
+    ParameterLayout,
     covariance,
     undetermined,
 )
@@ -52,7 +52,7 @@ class Fitted:
         What it does not determine, and why.
     along, turn : Noise
         Of the increments along the heading, and of the heading.
-    layout : Layout
+    layout : ParameterLayout
         What the parameters are.
     """
 
@@ -62,7 +62,7 @@ class Fitted:
     left_out: tuple[LeftOut, ...]
     along: Noise
     turn: Noise
-    layout: Layout
+    layout: ParameterLayout
 
 
 class Fit:
@@ -77,7 +77,7 @@ class Fit:
     def __init__(self, data: Increments) -> None:
         self.data = data
         self.robots = data.along.shape[1]
-        self.layout = Layout(self.robots)
+        self.layout = ParameterLayout(self.robots)
         self.free = np.ones(len(self.layout.names), dtype=bool)
         self.shape = (0.15, 0.15)
         self.owner, self.row = np.nonzero(data.known.T)
@@ -186,7 +186,9 @@ class Fit:
         zz, zo, oo = self._sum(z * z), self._sum(z * o), np.maximum(self._sum(o * o), 1e-300)
         zw, ow = self._sum(z * w), self._sum(o * w)
         determinant = zz * oo - zo * zo
-        both = self.free[self.layout.of(Kind.TURN_BIAS)] & (determinant > 1e-12 * zz * oo)
+        both = self.free[self.layout.of(FittedParameter.TURN_BIAS)] & (
+            determinant > 1e-12 * zz * oo
+        )
         safe = np.where(both, determinant, 1.0)
         turn = np.where(both, (oo * zw - zo * ow) / safe, zw / np.maximum(zz, 1e-300))
         # A robot that never turned has a bias and no gain.
@@ -275,7 +277,7 @@ class Fit:
     def _errors(self, information: Floats) -> Floats:
         """Return the covariance of all errors, with what fixed biases may add to it."""
         known = covariance(information, self.free)
-        fixed = self.layout.of(Kind.TURN_BIAS) & ~self.free
+        fixed = self.layout.of(FittedParameter.TURN_BIAS) & ~self.free
         shift = known @ information[:, fixed] * _USUAL_BIAS
         out: Floats = known + shift @ shift.T
         return out

@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 
-class Kind(Enum):
+class FittedParameter(Enum):
     """What a parameter is."""
 
     DEAD_TIME = "dead time"
@@ -35,15 +35,21 @@ class Kind(Enum):
 #: An interval that reaches farther than this from its value says nothing worth writing down: the
 #: guess that a robot is like others is better. Gains; seconds; rad/s; rad.
 USEFUL = {
-    Kind.DEAD_TIME: 0.25,
-    Kind.LAG: 0.25,
-    Kind.SPEED_GAIN: 0.3,
-    Kind.TURN_GAIN: 0.3,
-    Kind.TURN_BIAS: 0.03,
-    Kind.HEADING_OFFSET: 0.05,
+    FittedParameter.DEAD_TIME: 0.25,
+    FittedParameter.LAG: 0.25,
+    FittedParameter.SPEED_GAIN: 0.3,
+    FittedParameter.TURN_GAIN: 0.3,
+    FittedParameter.TURN_BIAS: 0.03,
+    FittedParameter.HEADING_OFFSET: 0.05,
 }
 #: Of two parameters that do the same, the one that comes first here is left out.
-_DISPENSABLE = (Kind.TURN_BIAS, Kind.LAG, Kind.DEAD_TIME, Kind.TURN_GAIN, Kind.SPEED_GAIN)
+_DISPENSABLE = (
+    FittedParameter.TURN_BIAS,
+    FittedParameter.LAG,
+    FittedParameter.DEAD_TIME,
+    FittedParameter.TURN_GAIN,
+    FittedParameter.SPEED_GAIN,
+)
 
 
 @dataclass(frozen=True)
@@ -52,7 +58,7 @@ class LeftOut:
 
     Attributes
     ----------
-    kind : Kind
+    kind : FittedParameter
         What it is.
     robot : int, optional
         Whose; None for the team's.
@@ -60,7 +66,7 @@ class LeftOut:
         Why it is left out.
     """
 
-    kind: Kind
+    kind: FittedParameter
     robot: int | None
     reason: str
 
@@ -68,12 +74,12 @@ class LeftOut:
         return f"{name_of(self.kind, self.robot)}: {self.reason}"
 
 
-def name_of(kind: Kind, robot: int | None) -> str:
+def name_of(kind: FittedParameter, robot: int | None) -> str:
     """Return what a parameter is called in messages.
 
     Parameters
     ----------
-    kind : Kind
+    kind : FittedParameter
         What it is.
     robot : int or None
         Whose; None for the team's.
@@ -81,7 +87,7 @@ def name_of(kind: Kind, robot: int | None) -> str:
     return f"the {kind.value}" + ("" if robot is None else f" of robot {robot}")
 
 
-class Layout:
+class ParameterLayout:
     """Where parameters stand in a vector: dead time, lag, then three a robot, kind by kind.
 
     Parameters
@@ -91,18 +97,21 @@ class Layout:
     """
 
     def __init__(self, robots: int) -> None:
-        each = (Kind.SPEED_GAIN, Kind.TURN_GAIN, Kind.TURN_BIAS)
-        self.names: list[tuple[Kind, int | None]] = [(Kind.DEAD_TIME, None), (Kind.LAG, None)]
+        each = (FittedParameter.SPEED_GAIN, FittedParameter.TURN_GAIN, FittedParameter.TURN_BIAS)
+        self.names: list[tuple[FittedParameter, int | None]] = [
+            (FittedParameter.DEAD_TIME, None),
+            (FittedParameter.LAG, None),
+        ]
         self.names += [(kind, robot) for kind in each for robot in range(robots)]
         self.kinds = np.array([kind for kind, _ in self.names])
         self.useful = np.array([USEFUL[kind] for kind, _ in self.names])
 
-    def of(self, kind: Kind) -> Flags:
+    def of(self, kind: FittedParameter) -> Flags:
         """Return which entries are of a kind, (p,).
 
         Parameters
         ----------
-        kind : Kind
+        kind : FittedParameter
             Which of them.
 
         Returns
@@ -114,7 +123,9 @@ class Layout:
         return flags
 
 
-def undetermined(information: Floats, free: Flags, layout: Layout) -> list[tuple[int, str]]:
+def undetermined(
+    information: Floats, free: Flags, layout: ParameterLayout
+) -> list[tuple[int, str]]:
     """Return entries that are to be left out next, each with its reason; none when all are useful.
 
     Entries of which the log holds too little go first and together; of those that are confounded
@@ -126,7 +137,7 @@ def undetermined(information: Floats, free: Flags, layout: Layout) -> list[tuple
         The information matrix of all parameters.
     free : (p,) boolean array
         Which are still fitted.
-    layout : Layout
+    layout : ParameterLayout
         What they are.
     """
     diagonal = np.diag(information)
@@ -144,11 +155,11 @@ def undetermined(information: Floats, free: Flags, layout: Layout) -> list[tuple
 
 
 _LITTLE = {
-    Kind.DEAD_TIME: "too few or too small changes of what robots were told and followed",
-    Kind.LAG: "too few or too small changes of what robots were told and followed",
-    Kind.SPEED_GAIN: "too little driving forward",
-    Kind.TURN_GAIN: "too little turning",
-    Kind.TURN_BIAS: "too few rows for so much noise",
+    FittedParameter.DEAD_TIME: "too few or too small changes of what robots were told and followed",
+    FittedParameter.LAG: "too few or too small changes of what robots were told and followed",
+    FittedParameter.SPEED_GAIN: "too little driving forward",
+    FittedParameter.TURN_GAIN: "too little turning",
+    FittedParameter.TURN_BIAS: "too few rows for so much noise",
 }
 
 
@@ -195,7 +206,7 @@ def variances(information: Floats, free: Flags) -> Floats:
     return out
 
 
-def _partner(information: Floats, free: Flags, entry: int, layout: Layout) -> str:
+def _partner(information: Floats, free: Flags, entry: int, layout: ParameterLayout) -> str:
     """Name the parameter that does most nearly the same."""
     size = np.sqrt(np.maximum(np.diag(information), 1e-300))
     likeness = np.abs(information[entry]) / size / size[entry]

@@ -17,7 +17,7 @@ from posflock_robotarium.calibration.fit import (
     Fit,
     Fitted,
 )
-from posflock_robotarium.calibration.identifiability import USEFUL, Kind, LeftOut
+from posflock_robotarium.calibration.identifiability import USEFUL, FittedParameter, LeftOut
 from posflock_robotarium.calibration.increments import NO_COMMANDS, increments_of
 from posflock_robotarium.calibration.plausibility import (
     TOO_MANY_JUMPS,
@@ -32,7 +32,7 @@ from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.logs.run import Run
 
 Floats = NDArray[np.float64]
-_GAINS = (Kind.SPEED_GAIN, Kind.TURN_GAIN)
+_GAINS = (FittedParameter.SPEED_GAIN, FittedParameter.TURN_GAIN)
 
 
 def calibrate(log: Run, step_times: float | Floats | None = None) -> Calibration:
@@ -62,7 +62,7 @@ def calibrate(log: Run, step_times: float | Floats | None = None) -> Calibration
             " or mend the units (metres, radians)"
         )
     offsets = tuple(
-        offset if offset.high - offset.value <= USEFUL[Kind.HEADING_OFFSET] else None
+        offset if offset.high - offset.value <= USEFUL[FittedParameter.HEADING_OFFSET] else None
         for offset in heading_offsets(log, times.t, sightings.known)
     )
     known = np.array([0.0 if offset is None else offset.value for offset in offsets])
@@ -88,7 +88,7 @@ def _calibration(
     for entry, reason in _useless(fitted, estimates):
         estimates[entry] = None
         left_out.append(LeftOut(*fitted.layout.names[entry], reason))
-    follows = ~fitted.layout.of(Kind.TURN_BIAS)
+    follows = ~fitted.layout.of(FittedParameter.TURN_BIAS)
     if all(estimates[entry] is None for entry in np.flatnonzero(follows)):
         raise LogError(
             f"{log.name}: the log determines nothing of how its robots follow commands, so no"
@@ -96,18 +96,20 @@ def _calibration(
         )
     for robot, offset in enumerate(offsets):
         if offset is None:
-            left_out.append(LeftOut(Kind.HEADING_OFFSET, robot, "too little driving forward"))
+            left_out.append(
+                LeftOut(FittedParameter.HEADING_OFFSET, robot, "too little driving forward")
+            )
 
-    def of(kind: Kind) -> PerRobot:
+    def of(kind: FittedParameter) -> PerRobot:
         return tuple(estimates[k] for k in np.flatnonzero(fitted.layout.of(kind)))
 
     along, turn, dt = fitted.along, fitted.turn, times.median
     return Calibration(
         dead_time=estimates[0],
         lag=estimates[1],
-        speed_gain=of(Kind.SPEED_GAIN),
-        turn_gain=of(Kind.TURN_GAIN),
-        turn_bias=of(Kind.TURN_BIAS),
+        speed_gain=of(FittedParameter.SPEED_GAIN),
+        turn_gain=of(FittedParameter.TURN_GAIN),
+        turn_bias=of(FittedParameter.TURN_BIAS),
         heading_offset=offsets,
         jitter=Jitter(along.jitter, lateral_jitter(log, times.steps, sightings.known), turn.jitter),
         disturbance=Unexplained(along.disturbance(dt), turn.disturbance(dt)),
@@ -136,7 +138,10 @@ def _useless(fitted: Fitted, estimates: list[Estimate | None]) -> Iterator[tuple
     for entry, (estimate, (kind, _)) in enumerate(zip(estimates, fitted.layout.names, strict=True)):
         if estimate is None:
             continue
-        largest = {Kind.DEAD_TIME: LARGEST_DEAD_TIME, Kind.LAG: LARGEST_LAG}.get(kind, math.inf)
+        largest = {
+            FittedParameter.DEAD_TIME: LARGEST_DEAD_TIME,
+            FittedParameter.LAG: LARGEST_LAG,
+        }.get(kind, math.inf)
         if estimate.value > 0.99 * largest:
             yield entry, f"it would be beyond {largest:g} s, so robots followed other commands"
         elif kind in _GAINS and estimate.low <= 0:

@@ -28,7 +28,7 @@ from scipy.stats import t as student
 from posflock_robotarium.calibration.estimate import Estimate
 from posflock_robotarium.calibration.events.lines import EventKey
 from posflock_robotarium.calibration.events.trials import Candidate, Heard
-from posflock_robotarium.calibration.identifiability import USEFUL, Kind
+from posflock_robotarium.calibration.identifiability import USEFUL, FittedParameter
 from posflock_robotarium.flocking.errors import LogError
 
 Floats = NDArray[np.float64]
@@ -231,7 +231,7 @@ class _Solved:
         """
         if len(self.measured) > 2:
             found, error, unexplained, quantile = self._solve(self.coefficients[1:].T, 0.0)
-            if quantile * error[1] <= USEFUL[Kind.DEAD_TIME] and found[1] >= 0:
+            if quantile * error[1] <= USEFUL[FittedParameter.DEAD_TIME] and found[1] >= 0:
                 return found, error, unexplained, quantile
         known = self.coefficients[2] * delay
         found, error, unexplained, quantile = self._solve(self.coefficients[1:2].T, known)
