@@ -29,7 +29,7 @@ class RunRecorder(Recorder, Protocol):
         Parameters
         ----------
         how : str
-            How the run ended, in the words of `rps_compat.running.outcome.LoggedEnd`.
+            How the run ended, in the words of `rps_compat.logged_end.LoggedEnd`.
         reason : str
             Why, in words; may be empty.
         """

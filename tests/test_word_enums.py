@@ -12,8 +12,9 @@ from posflock_robotarium.submission.returned_files import FileState
 from posflock_robotarium.sweep.parameter_distribution import ParameterSpread
 from posflock_robotarium.verify.findings import Code
 from rps_compat.distributions import DistributionKind
+from rps_compat.logged_end import LoggedEnd
 from rps_compat.porting import ChangeKind
-from rps_compat.running.outcome import Ended, LoggedEnd
+from rps_compat.running.outcome import Ended
 from rps_compat.running.plan import ClockPolicy, RunPlan
 from rps_compat.running.policy_violations import PolicyKind, PolicyViolation, read_violation
 from rps_compat.violations import FaultKind

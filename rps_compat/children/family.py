@@ -18,9 +18,9 @@ from rps_compat.children.records import InstanceRecord, RobotariumInstance
 from rps_compat.containment.kept import KeptFolder
 from rps_compat.containment.processes import kill_users_of
 from rps_compat.install import import_path
+from rps_compat.logged_end import LoggedEnd
 from rps_compat.own_imports import keep_apart
 from rps_compat.recording import Recording
-from rps_compat.running.outcome import LoggedEnd
 from rps_compat.session import Session
 
 _active: "Family | None" = None

@@ -11,9 +11,9 @@ from pathlib import Path
 
 from rps_compat.children.leftovers import GRACE
 from rps_compat.children.records import Record, RobotariumInstance
+from rps_compat.logged_end import LoggedEnd
 from rps_compat.recording import files_of
 from rps_compat.report import RunReport, report_of
-from rps_compat.running.outcome import LoggedEnd
 
 #: Seconds between two looks at processes that end.
 _LOOK = 0.02

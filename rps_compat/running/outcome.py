@@ -9,17 +9,10 @@ from typing import Any
 
 from barrier_certificates.word_enum import WordEnum
 from rps_compat.generations import Generation
+from rps_compat.logged_end import LoggedEnd
 from rps_compat.report import Fault, RunReport
 from rps_compat.running.policy_violations import PolicyViolation, read_violation
 from rps_compat.violations import FaultKind
-
-
-class LoggedEnd(WordEnum):
-    """How a log calls the end of its run."""
-
-    FINISHED = "finished"
-    INTERRUPTED = "interrupted"
-    FAILED = "failed"
 
 
 class Ended(WordEnum):

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import re
 
-from rps_compat.bridges import takes_one_element
 from rps_compat.errors import RobotariumError, WrongArgumentError
 from rps_compat.generations import Generation
+from rps_compat.one_element_arrays import takes_one_element
 from rps_compat.scripts.changes import CHANGES, Kind
 from rps_compat.scripts.evidence import GenerationEvidence
 from rps_compat.scripts.generation_names import (
