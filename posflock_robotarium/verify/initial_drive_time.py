@@ -5,7 +5,7 @@ wants them, by a planner of its own that is not published. Eleven public logs te
 took. What explains them is the number of robots: the logarithm of the time grows with it in a
 straight line, and drives of the same number differ by a factor of 1.5 up and down. Distances
 explain nothing beyond: simulated drives of slow robots to the same places take 13 to 23 s from
-starts that were well assigned, and 32 to 39 s from starts that were not, whether the real one took
+starts that were well assigned, and 26 to 41 s from starts that were not, whether the real one took
 34 s or 192. So a simulated drive is taken for no more than the least that a real one takes.
 
 >>> print(predicted_drive(9))
