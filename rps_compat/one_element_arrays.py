@@ -1,4 +1,4 @@
-"""Arrays of one element where a number is wanted: the testbed's numpy takes them, a newer one not."""
+"""Arrays of one element where a number is wanted: the testbed's numpy takes them, newer ones not."""
 
 from __future__ import annotations
 
