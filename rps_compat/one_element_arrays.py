@@ -1,4 +1,4 @@
-"""Arrays of one element where a number is wanted: the testbed's numpy takes them, newer ones not."""
+"""Arrays of one element as numbers, which the testbed's numpy takes and newer ones do not."""
 
 from __future__ import annotations
 
