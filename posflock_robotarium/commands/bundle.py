@@ -10,8 +10,8 @@ from posflock_robotarium.commands.terminal import say
 from rps_compat.testbed import MAX_DURATION
 
 if TYPE_CHECKING:
-    from posflock_robotarium.submission.bundle import Bundle
     from posflock_robotarium.submission.rehearse import Rehearsal
+    from posflock_robotarium.submission.upload_folder import Bundle
 
 
 def bundle(

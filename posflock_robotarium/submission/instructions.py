@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from posflock_robotarium.submission.manifest import MANIFEST
+from posflock_robotarium.submission.upload_folder import Bundle
 from posflock_robotarium.verify.findings import count
 from posflock_robotarium.verify.initial_drive_time import predicted_drive
 from rps_compat import testbed
-
-if TYPE_CHECKING:
-    from posflock_robotarium.submission.bundle import Bundle
 
 #: Name of the file that holds them.
 INSTRUCTIONS = "SUBMIT.md"
