@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 COMMON = """
@@ -27,21 +28,23 @@ def drive(steps, apart=0.5, speed=0.1, crash=None):
 def run(folder, text, *options, arguments=(), **files):
     """Run a script beside `common.py` by `posflock run`.
 
-    Temporary files are made in a folder of its own, so that a test can see what is left there.
+    Temporary files are made in a folder of its own, so that a test can see what is `left` there;
+    its path is short, since those of sockets must be.
     Return the ended process, the report, and what this tells of each process.
     """
-    home, temporary = folder / "home", folder / "temporary"
-    for made in (home, temporary):
-        made.mkdir(exist_ok=True)
+    home = folder / "home"
+    home.mkdir(exist_ok=True)
     for name, content in {"common": COMMON, "script": text, **files}.items():
         (home / f"{name}.py").write_text(content)
     command = [Path(sys.executable).with_name("posflock"), "run", "--headless", "--generation", "2"]
     command += ["-o", folder / "out", *options, home / "script.py", *arguments]
-    done = subprocess.run(
-        command, cwd=home, env=os.environ | {"TMPDIR": str(temporary)}, capture_output=True,
-        text=True, check=False,
-    )  # fmt: skip
-    data = json.loads((folder / "out" / "report.json").read_text())
+    with tempfile.TemporaryDirectory() as temporary:
+        done = subprocess.run(
+            command, cwd=home, env=os.environ | {"TMPDIR": temporary}, capture_output=True,
+            text=True, check=False,
+        )  # fmt: skip
+        left = [path.name for path in Path(temporary).rglob("*")]
+    data = json.loads((folder / "out" / "report.json").read_text()) | {"left": left}
     return done, data, {r["process"]: r for r in data["reports"]}
 
 
