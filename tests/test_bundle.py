@@ -14,7 +14,7 @@ import pytest
 from posflock_robotarium.flocking.errors import OutputError
 from posflock_robotarium.submission.bundle import as_package, bundle
 from posflock_robotarium.submission.instructions import INSTRUCTIONS
-from posflock_robotarium.submission.interpreters import installed_pythons
+from posflock_robotarium.submission.interpreters import find_python
 from posflock_robotarium.submission.manifest import (
     MANIFEST,
     BundleError,
@@ -86,7 +86,7 @@ def test_a_bundle_is_flat_and_complete(script, tmp_path):
 
 @pytest.mark.parametrize("version", [(3, minor) for minor in range(8, 14)])
 def test_a_bundle_runs_on_every_python(script, tmp_path, version):
-    python = installed_pythons().get(version) if version != sys.version_info[:2] else sys.executable
+    python = find_python(version)
     if python is None:
         pytest.skip(f"no Python {version[0]}.{version[1]} here")
     bundle(script, tmp_path / "up")

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from posflock_robotarium.flocking.errors import PosflockError
-from posflock_robotarium.submission.interpreters import installed_pythons
+from posflock_robotarium.submission.interpreters import find_python, installed_pythons
 from rps_compat.containment.caches import cache_folder
 from rps_compat.scripts.libraries import IMPORT_NAMES, LIBRARIES, PYTHON
 from rps_compat.whole_files import write_whole
@@ -85,9 +85,10 @@ def build_environment(
 
 def _nearest_python() -> tuple[Path, str]:
     """Return the testbed's Python, or the nearest there is with a note that says so."""
+    python = find_python(PYTHON)
+    if python is not None:
+        return python, ""
     pythons = installed_pythons()
-    if PYTHON in pythons:
-        return pythons[PYTHON], ""
     nearest = min((v for v in pythons if v >= (3, 10)), key=lambda v: abs(v[1] - PYTHON[1]))
     return pythons[nearest], (
         f"the testbed runs Python {PYTHON[0]}.{PYTHON[1]}, which is not installed"

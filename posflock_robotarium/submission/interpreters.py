@@ -19,10 +19,14 @@ def find_python(version: tuple[int, int]) -> Path | None:
     version : (int, int)
         Major and minor version: (3, 10).
     """
-    return installed_pythons().get(version)
+    if sys.version_info[:2] == version:
+        return Path(sys.executable)
+    # Asking takes as long as a Python takes to start: those that are called so come first.
+    called = re.compile(rf"(?<![\d.]){version[0]}\.{version[1]}(?!\d)")
+    candidates = sorted(_candidates(), key=lambda path: not called.search(str(path)))
+    return next((path for path in candidates if _version(path) == version), None)
 
 
-@cache
 def installed_pythons() -> dict[tuple[int, int], Path]:
     """Return interpreters by minor version: this one, those on the PATH, pyenv's and uv's."""
     found = {sys.version_info[:2]: Path(sys.executable)}
@@ -51,6 +55,7 @@ def _candidates() -> list[Path]:
     return [path for path in out if path.is_file()]
 
 
+@cache
 def _version(python: Path) -> tuple[int, int] | None:
     """Ask an interpreter for its version; shims that lead nowhere give None."""
     try:
