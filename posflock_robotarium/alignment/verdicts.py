@@ -289,7 +289,7 @@ def _limits(v: Mapping[str, float]) -> Iterator[RunVerdict]:
 
 def _in_degrees(recording: Run, v: Mapping[str, float]) -> RunVerdict | None:
     """Judge headings that begin beyond a full turn, and that motion does not confirm."""
-    first = float(np.nanmax(np.abs(recording.poses[0, 2])))
+    first = float(np.nanmax(np.abs(recording.poses[0, 2]))) if recording.headed else 0.0
     if first <= 2 * math.pi or not v["heading_offset"] > DOUBTFUL_HEADINGS:
         return None
     return RunVerdict(
@@ -297,7 +297,7 @@ def _in_degrees(recording: Run, v: Mapping[str, float]) -> RunVerdict | None:
         Mark.BAD,
         "Not at all: headings seem to be in degrees.",
         f"They begin at up to {first:.3g}, which is no angle in radians, and robots do not move "
-        "along them: convert them with numpy.radians, and report again.",
+        "along them: report again with --degrees.",
     )
 
 

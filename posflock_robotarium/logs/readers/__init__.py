@@ -12,7 +12,7 @@ from posflock_robotarium.logs.readers.forms import (
     register,
     registered,
 )
-from posflock_robotarium.logs.readers.found import Clock, Found, ReadOptions
+from posflock_robotarium.logs.readers.found import Clock, Found, Lengths, ReadOptions
 from posflock_robotarium.logs.readers.matlab import MATLAB
 from posflock_robotarium.logs.readers.numpy_archives import NPZ
 from posflock_robotarium.logs.readers.numpy_arrays import NPY
@@ -28,6 +28,7 @@ __all__ = [
     "Form",
     "Found",
     "LayoutError",
+    "Lengths",
     "ReadOptions",
     "Run",
     "Sign",

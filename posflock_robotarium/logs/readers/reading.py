@@ -25,6 +25,7 @@ from posflock_robotarium.logs.readers.names import STATE_NAMES, TIME_NAMES
 from posflock_robotarium.logs.readers.numpy_arrays import NPY, read_npy
 from posflock_robotarium.logs.readers.pose_logs import FIELDS, POSE_LOG, run_of
 from posflock_robotarium.logs.readers.timing import timed
+from posflock_robotarium.logs.readers.units import in_metres, without_repeats
 from posflock_robotarium.logs.run import Run, missing_rows
 
 Floats = NDArray[np.float64]
@@ -143,7 +144,8 @@ def _recording(found: Found, name: str, sources: tuple[str, ...], options: ReadO
     """Time what was found, leave out what is none, and check it."""
     options.bounds.require_robots(found.poses.shape[2], sources[0])
     recorded, doubts = found.t is not None, missing_rows(len(found.poses), found.promised)
-    found = _without_tail(timed(found, sources[0], options))
+    found = in_metres(_without_tail(found), sources[0], options)
+    found = timed(without_repeats(found), sources[0], options)
     if options.drop_damaged:
         found = _without_damage(found)
     t = np.asarray(found.t)
@@ -177,7 +179,9 @@ def _without_tail(found: Found) -> Found:
 
 def _without_damage(found: Found) -> Found:
     """Leave out rows that are not finite; their place in time is a gap."""
-    sound = np.asarray(np.isfinite(found.poses).all(axis=(1, 2)))
+    headed = not np.isnan(found.poses[:, 2]).all()
+    seen = found.poses if headed else found.poses[:, :2]
+    sound = np.asarray(np.isfinite(seen).all(axis=(1, 2)))
     if found.t is not None:
         sound &= np.isfinite(found.t)
     if sound.all():
