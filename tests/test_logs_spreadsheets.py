@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from rolling_robots import POSES, T, rolling, write
 
+from posflock_robotarium.alignment.verdicts import Mark
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.logs.readers import Lengths
-from posflock_robotarium.report import LayoutError, ReadOptions, read
+from posflock_robotarium.report import LayoutError, ReadOptions, analyse, read, write_report
 
 NAMES = [f"{state}{n}" for n in range(1, 5) for state in ("x", "y", "theta")]
 TABLE = np.column_stack([T, POSES.transpose(0, 2, 1).reshape(len(T), -1)])
@@ -123,3 +124,15 @@ def test_positions_alone_have_no_headings(tmp_path):
     np.testing.assert_array_equal(run.poses[:, :2], POSES[:, :2])
     assert not run.headed
     assert any("positions only" in note for note in run.notes)
+
+
+def test_a_report_of_positions_alone_does_not_judge_collisions(tmp_path):
+    names = [name for name in NAMES if name[0] != "t"]
+    table = np.column_stack([T, POSES[:, :2].transpose(0, 2, 1).reshape(len(T), -1)])
+    analysis = analyse(write(tmp_path / "run.csv", csv(names=["t", *names], table=table)), radius=9)
+    safe = next(verdict for verdict in analysis.verdicts if verdict.question == "Was it safe?")
+    assert safe.mark is Mark.UNKNOWN
+    assert "collisions" not in analysis.numbers
+    assert np.isfinite(analysis.numbers["gamma_motion"].value)
+    assert np.isnan(analysis.numbers["gamma_headings"].value)
+    write_report([analysis], tmp_path / "report")

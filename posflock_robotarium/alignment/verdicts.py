@@ -93,7 +93,11 @@ def verdicts_of(
         Aligned? Together? Safe? Within limits? How sure? The whole run?
     """
     value = {key: float(number.value) for key, number in numbers.items()}
-    verdicts = [_aligned(value, threshold, slowest), _together(value), _safe(value)]
+    verdicts = [
+        _aligned(value, threshold, slowest, recording.headed),
+        _together(value),
+        _safe(value),
+    ]
     verdicts += _limits(value)
     verdicts.append(_in_degrees(recording, value) or _sure(value))
     verdicts += _complete(recording, value)
@@ -111,14 +115,14 @@ def headline(verdicts: tuple[RunVerdict, ...]) -> str:
     return ", ".join(verdict.short for verdict in verdicts if verdict.short)
 
 
-def _aligned(v: Mapping[str, float], threshold: float, slowest: float) -> RunVerdict:
+def _aligned(v: Mapping[str, float], threshold: float, slowest: float, headed: bool) -> RunVerdict:
     question = "Did the flock align?"
     motion, headings = v["gamma_motion"], v["gamma_headings"]
     if v["robots"] < 2:
         return RunVerdict(
             question, Mark.UNKNOWN, "One robot has nobody to align with.", "", "alone"
         )
-    if v["left_out_headings"] >= 1.0:
+    if v["left_out_headings" if headed else "left_out_motion"] >= 1.0:
         because = "γ is undefined without neighbours."
         return RunVerdict(
             question, Mark.UNKNOWN, "No robot had a neighbour.", because, "no neighbours"
@@ -135,7 +139,7 @@ def _aligned(v: Mapping[str, float], threshold: float, slowest: float) -> RunVer
             "have a direction, or without a neighbour that moves."
         )
     moves_aligned = ties.reached(motion, threshold)
-    points_aligned = ties.reached(headings, threshold)
+    points_aligned = ties.reached(headings, threshold) if headed else moves_aligned
     if moves_aligned and points_aligned:
         if stood := int(v["robots_standing"]):
             because += f" {stood} of {v['robots']:g} robots stood over half the time."
@@ -231,7 +235,10 @@ def _safe(v: Mapping[str, float]) -> RunVerdict:
         if ties.reached(nearest, 0.0)
         else f"A centre was {-nearest:.3f} m outside the arena."
     )
-    if "smallest_distance" in v:
+    unseen = "smallest_distance" in v and "collisions" not in v
+    if unseen:
+        because = f"Centres never closer than {v['smallest_distance']:.3f} m. {because}"
+    elif "smallest_distance" in v:
         because = (
             f"Centres never closer than {v['smallest_distance']:.3f} m, collision points "
             f"{v['smallest_collision_distance']:.3f} m. {because}"
@@ -244,6 +251,9 @@ def _safe(v: Mapping[str, float]) -> RunVerdict:
     faults = " and ".join(f"{n} {word}{'s' if n > 1 else ''}" for n, word in counts if n)
     if faults:
         return RunVerdict(question, Mark.BAD, f"No: {faults}.", because, f"unsafe: {faults}")
+    if unseen:
+        answer = "Nobody outside; collisions are unknown without headings."
+        return RunVerdict(question, Mark.UNKNOWN, answer, because)
     return RunVerdict(question, Mark.GOOD, "Yes: no collision, nobody outside.", because, "safe")
 
 

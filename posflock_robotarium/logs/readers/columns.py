@@ -87,7 +87,7 @@ def by_names(table: Table, names: tuple[str, ...], notes: list[str]) -> Found:
     poses = table.values[:, chosen] * _factors(chosen, columns, notes)
     poses[:, chosen < 0] = np.nan
     if (chosen[2] < 0).any():
-        notes.append("positions only: headings are unknown")
+        notes.append("positions only: headings are unknown, and drawn along the motion")
     t = None if columns.time is None else table.values[:, columns.time] * columns.second
     if columns.robot is not None and not columns.states_of:
         found = _long(table, columns.robot, t, poses[:, :, 0], notes)
