@@ -21,7 +21,11 @@ Workers = Annotated[int | None, typer.Option(min=1, help="Processes; by default 
 
 Logs = Annotated[
     list[Path],
-    typer.Argument(help="Pose logs: ours, or .npy, .npz, .mat, CSV, text.", show_default=False),
+    typer.Argument(
+        help="Pose logs: ours, or .npy, .npz, .mat, .mcap, CSV, text, ROS CSV, TUM, EuRoC, MRCLAM, "
+        "Motive CSV, Vicon CSV.",
+        show_default=False,
+    ),
 ]
 Log = Annotated[Path, typer.Argument(help="Pose log of one run.", show_default=False)]
 Runs = Annotated[

@@ -14,12 +14,17 @@ from posflock_robotarium.logs.readers.forms import (
 )
 from posflock_robotarium.logs.readers.found import Clock, Found, Lengths, ReadOptions
 from posflock_robotarium.logs.readers.matlab import MATLAB
+from posflock_robotarium.logs.readers.mcap_logs import MCAP
+from posflock_robotarium.logs.readers.motion_capture import MOTIVE, VICON
+from posflock_robotarium.logs.readers.mrclam import MRCLAM
 from posflock_robotarium.logs.readers.numpy_archives import NPZ
 from posflock_robotarium.logs.readers.numpy_arrays import NPY
 from posflock_robotarium.logs.readers.pickles import PICKLE
 from posflock_robotarium.logs.readers.pose_logs import POSE_LOG
 from posflock_robotarium.logs.readers.reading import read, read_parts, read_pose_log
+from posflock_robotarium.logs.readers.ros_csv import ROS_CSV
 from posflock_robotarium.logs.readers.text import TEXT
+from posflock_robotarium.logs.readers.trajectories import EUROC, TUM
 from posflock_robotarium.logs.run import LayoutError, Run
 
 __all__ = [
@@ -41,5 +46,7 @@ __all__ = [
     "registered",
 ]
 
-for _form in (POSE_LOG, NPY, NPZ, MATLAB, PICKLE, TEXT):
+_BY_CONTENT = (POSE_LOG, ROS_CSV, TUM, EUROC, MRCLAM, MOTIVE, VICON)
+_BY_SIGNATURE = (NPY, NPZ, MATLAB, MCAP, PICKLE)
+for _form in (*_BY_CONTENT, *_BY_SIGNATURE, TEXT):
     register(_form)
