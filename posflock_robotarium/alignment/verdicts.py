@@ -8,25 +8,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from barrier_certificates import ties
-from barrier_certificates.word_enum import WordEnum
 from posflock_robotarium.alignment.metric_registry import Number
 from posflock_robotarium.alignment.metrics import SMOOTHING_POINTS
+from posflock_robotarium.alignment.run_verdict import Mark, RunVerdict
+from posflock_robotarium.logs import plausibility
 from posflock_robotarium.logs.run import How, Run
-
-
-class Mark(WordEnum):
-    """How a run does."""
-
-    GOOD = "good"
-    CAUTION = "caution"
-    BAD = "bad"
-    UNKNOWN = "unknown"
-
 
 MOSTLY = 0.5
 """A flock of which more than this share stands, stands."""
@@ -43,32 +33,9 @@ WRONG_HEADINGS = 0.35
 DOUBTFUL_HEADINGS = 0.15
 """The same (9°) where headings begin at values that are no angles in radians."""
 
+__all__ = ["Mark", "RunVerdict", "headline", "verdicts_of"]
+
 SURE = "How sure are we?"
-
-
-@dataclass(frozen=True)
-class RunVerdict:
-    """One sentence about the run.
-
-    Attributes
-    ----------
-    question : str
-        What it answers.
-    mark : Mark
-        How the run does.
-    answer : str
-        A few words.
-    because : str
-        The figures it rests on.
-    short : str
-        One or two words for a headline or a table of runs; empty for the lesser questions.
-    """
-
-    question: str
-    mark: Mark
-    answer: str
-    because: str
-    short: str = ""
 
 
 def verdicts_of(
@@ -99,7 +66,7 @@ def verdicts_of(
         _safe(value),
     ]
     verdicts += _limits(value)
-    verdicts.append(_in_degrees(recording, value) or _sure(value))
+    verdicts.append(_in_degrees(recording, value) or _jumping(recording) or _sure(value))
     verdicts += _complete(recording, value)
     return tuple(verdicts)
 
@@ -309,6 +276,12 @@ def _in_degrees(recording: Run, v: Mapping[str, float]) -> RunVerdict | None:
         f"They begin at up to {first:.3g}, which is no angle in radians, and robots do not move "
         "along them: report again with --degrees.",
     )
+
+
+def _jumping(recording: Run) -> RunVerdict | None:
+    """Judge poses that no wheels can reach."""
+    told = plausibility.told(recording) if recording.headed else None
+    return None if told is None else RunVerdict(SURE, Mark.BAD, *told)
 
 
 def _sure(v: Mapping[str, float]) -> RunVerdict:

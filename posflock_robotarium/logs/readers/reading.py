@@ -28,7 +28,7 @@ from posflock_robotarium.logs.readers.names import STATE_NAMES, TIME_NAMES
 from posflock_robotarium.logs.readers.numpy_arrays import NPY, read_npy
 from posflock_robotarium.logs.readers.pose_logs import FIELDS, POSE_LOG, run_of
 from posflock_robotarium.logs.readers.timing import timed
-from posflock_robotarium.logs.readers.units import in_metres, without_repeats
+from posflock_robotarium.logs.readers.units import SAME_FRAME, in_metres, without_repeats
 from posflock_robotarium.logs.run import Run, missing_rows
 
 Floats = NDArray[np.float64]
@@ -137,6 +137,7 @@ def _one_robot_each(files: list[Path], options: ReadOptions) -> Found | None:
             if isinstance(found, Run) or found.t is None or found.poses.shape[2] != 1:
                 return None
             found = timed(without_repeats(found), str(file), options)
+            found = without_repeats(found, SAME_FRAME)
         tracks.append(Track(file.stem, np.asarray(found.t), found.poses[:, :, 0]))
         told.append((found.lengths_told, found.angles_told))
         notes = [f"{len(files)} files of one robot each, the first: {found.notes[0]}"]
@@ -175,7 +176,9 @@ def _recording(found: Found, name: str, sources: tuple[str, ...], options: ReadO
     options.bounds.require_robots(found.poses.shape[2], sources[0])
     recorded, doubts = found.t is not None, missing_rows(len(found.poses), found.promised)
     found = in_metres(_without_tail(found), sources[0], options)
+    # Equal times must go before times are judged, nearly equal ones need seconds.
     found = timed(without_repeats(found), sources[0], options)
+    found = without_repeats(found, SAME_FRAME)
     if options.drop_damaged:
         found = _without_damage(found)
     t = np.asarray(found.t)

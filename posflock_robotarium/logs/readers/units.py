@@ -22,8 +22,11 @@ Floats = NDArray[np.float64]
 ARENAS_AWAY = 5.0
 """Half widths of the arena from its middle beyond which most poses cannot be metres."""
 
+SAME_FRAME = 0.01
+"""Seconds within which an equal row is the same frame of the camera."""
+
 _AT_ONCE = 0.25
-"""Share of the usual time between new poses within which an equal row is the same frame."""
+"""Share of the usual time between new poses that this must be, too."""
 
 
 def in_metres(found: Found, where: str, options: ReadOptions) -> Found:
@@ -77,13 +80,15 @@ def _ask_where_too_far(found: Found, where: str) -> None:
         )
 
 
-def without_repeats(found: Found) -> Found:
+def without_repeats(found: Found, within: float = 0.0) -> Found:
     """Drop rows that say again what the row before them says, at nearly the same time.
 
     Parameters
     ----------
     found : Found
         Poses with times. A robot that stands still is left as it is.
+    within : float
+        How much later a row may be, in the file's unit of time.
     """
     if found.t is None or len(found.t) != len(found.poses) or len(found.t) < 3:
         return found
@@ -93,8 +98,9 @@ def without_repeats(found: Found) -> Found:
     new = found.t[~same]
     with np.errstate(invalid="ignore", over="ignore"):
         usual = float(np.median(np.diff(new)))
-        at_once = np.concatenate([[False], np.diff(found.t) <= _AT_ONCE * usual])
-        repeated = same & at_once & np.concatenate([[False], np.diff(found.t) >= 0])
+        later = np.diff(found.t)
+        at_once = (later >= 0) & (later <= min(within, _AT_ONCE * usual))
+    repeated = same & np.concatenate([[False], at_once])
     if not repeated.any():
         return found
     told = f"{int(repeated.sum())} of {len(same)} rows repeat the one before them: dropped"
