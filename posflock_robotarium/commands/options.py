@@ -23,7 +23,7 @@ Logs = Annotated[
     list[Path],
     typer.Argument(
         help="Pose logs: ours, or .npy, .npz, .mat, .mcap, CSV, text, ROS CSV, TUM, EuRoC, MRCLAM, "
-        "Motive CSV, Vicon CSV.",
+        "Motive CSV, Vicon CSV, ROS 2 bag.",
         show_default=False,
     ),
 ]

@@ -12,7 +12,7 @@ from pathlib import Path, PurePosixPath
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.logs.readers.bounds import Bounds
 
-_LOGS = (".npy", ".npz", ".mat", ".csv", ".txt", ".tsv", ".dat", ".mcap")
+_LOGS = (".npy", ".npz", ".mat", ".csv", ".txt", ".tsv", ".dat", ".mcap", ".db3")
 MOST_FILES = 200
 """Files of one run: more than robots that a testbed has."""
 
