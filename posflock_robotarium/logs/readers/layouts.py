@@ -106,6 +106,12 @@ MATLABS_OWN = "robotarium_data"
 """What the testbed's MATLAB interface calls its log, 5N numbers at each time, by robot."""
 
 
+def _is_clock(values: Floats) -> bool:
+    """Whether rising values are a time: regular as no robot drives, or longer than arenas are."""
+    steps = np.diff(values)
+    return bool(np.ptp(values) > _LONGER_THAN_ARENAS or np.ptp(steps) < 1e-3 * np.mean(steps))
+
+
 def to_states(
     array: Floats,
     where: str,
@@ -267,7 +273,7 @@ def split_time(table: Floats) -> tuple[Floats | None, Floats, str | None]:
             first = table[:, 0] if axis == 1 else table[0]
             # x of a robot may increase as well, where the table needs no time to be whole.
             whole = (more + 1) % 3 == 0 or (more + 1) % 5 == 0
-            if increases(first) and not (whole and np.ptp(first) < _LONGER_THAN_ARENAS):
+            if increases(first) and (not whole or _is_clock(first)):
                 return first, table[:, 1:] if axis == 1 else table[1:], along
     return None, table, None
 
