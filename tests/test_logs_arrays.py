@@ -3,7 +3,7 @@
 import h5py
 import numpy as np
 import pytest
-from rolling_robots import POSES, STEP, T, flat
+from rolling_robots import POSES, STEP, T, flat, rolling
 from scipy.io import loadmat, savemat
 
 from posflock_robotarium.logs.readers.layouts import sideways_share, to_poses
@@ -133,3 +133,23 @@ def test_matlab_5_arrays_are_what_scipy_reads(tmp_path, kind, packed):
     assert set(ours) == {"cube", "row", "one", "nothing"}
     for name, array in ours.items():
         np.testing.assert_array_equal(array, theirs[name])
+
+
+def test_a_count_that_three_divides_is_no_evidence_for_poses(tmp_path):
+    positions = POSES[:, :2, :3].transpose(0, 2, 1).reshape(len(T), 6)  # of three robots
+    np.save(tmp_path / "run.npy", positions)
+    with pytest.raises(LayoutError, match=r"sideways|say which with --layout"):
+        read(tmp_path / "run.npy", ReadOptions(dt=STEP))
+    np.save(tmp_path / "one.npy", POSES[:, [2, 0, 1], 0])
+    with pytest.raises(LayoutError, match=r"sideways.*--layout T,3N"):
+        read(tmp_path / "one.npy", ReadOptions(dt=STEP))
+    assert read(tmp_path / "one.npy", ReadOptions(dt=STEP, layout="T,3N")).robots == 1
+
+
+def test_time_and_three_robots_are_not_two_robots_with_commands(tmp_path):
+    t, poses = rolling(200, 3)
+    table = poses.transpose(0, 2, 1).reshape(len(t), 9)
+    np.save(tmp_path / "run.npy", np.column_stack([t, table]))
+    run = read(tmp_path / "run.npy")
+    np.testing.assert_array_equal(run.poses, poses)
+    np.testing.assert_array_equal(run.t, t)

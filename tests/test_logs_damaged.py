@@ -58,7 +58,7 @@ def npy_bytes(tmp_path, array):
         ("strange.csv", "a,b,c,d\n0,0,0,0\n1,0,0,0\n", "do not say where x, y and theta are"),
         ("one.csv", "t,x,y,theta\n0,0,0,0\n", "at least 2"),
         ("binary.csv", b"\x00\x01\x02\x03" * 10, "binary file"),
-        ("latin.csv", b"t,x,y,theta\n0,0,0,\xff\n", "line 2: not UTF-8"),
+        ("latin.csv", b"t,x,y,theta\n0,0,0,\xff\n", "theta holds words"),
         ("not.npy", b"hello there, this is text", "beginning is damaged"),
         ("not.mat", b"hello there, this is text", "beginning is damaged"),
         ("run.pkl", pickle.dumps([1, 2, 3]), "pickle"),

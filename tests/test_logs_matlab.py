@@ -42,7 +42,7 @@ def test_rows_that_three_divides_are_robots_of_five_numbers(tmp_path, name, robo
 
 
 def test_where_two_readings_fit_both_are_named_with_the_option(tmp_path):
-    savemat(tmp_path / "run.mat", {"table": np.tile(np.arange(45.0)[:, None], 260)})
+    savemat(tmp_path / "run.mat", {"table": np.tile(np.linspace(-1, 1, 45)[:, None], 260)})
     with pytest.raises(LayoutError, match=r"15 robots.*9 robots.*--layout 3N,T or --layout 5N,T"):
         read(tmp_path / "run.mat", ReadOptions(dt=STEP))
     asked = read(tmp_path / "run.mat", ReadOptions(dt=STEP, layout="5N,T", columns="robot"))

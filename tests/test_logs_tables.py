@@ -66,8 +66,11 @@ def test_long_csv_with_a_row_for_each_robot(tmp_path):
     (tmp_path / "run.csv").write_text("\n".join(rows))
     np.testing.assert_array_equal(read(tmp_path / "run.csv").poses, POSES)
     (tmp_path / "run.csv").write_text("\n".join(rows[:-1]))
-    with pytest.raises(LogError, match="there are 3 rows"):
+    with pytest.raises(LogError, match=r"x of robot 3 is nan.*--drop-damaged"):
         read(tmp_path / "run.csv")
+    short = read(tmp_path / "run.csv", ReadOptions(drop_damaged=True))
+    np.testing.assert_array_equal(short.poses, POSES[:-1])
+    assert any("1 row(s) of single robots are missing" in note for note in short.notes)
 
 
 def test_decimal_commas_between_semicolons(tmp_path):

@@ -8,25 +8,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from barrier_certificates import ties
-from barrier_certificates.word_enum import WordEnum
 from posflock_robotarium.alignment.metric_registry import Number
 from posflock_robotarium.alignment.metrics import SMOOTHING_POINTS
+from posflock_robotarium.alignment.run_verdict import Mark, RunVerdict
+from posflock_robotarium.logs import plausibility
 from posflock_robotarium.logs.run import How, Run
-
-
-class Mark(WordEnum):
-    """How a run does."""
-
-    GOOD = "good"
-    CAUTION = "caution"
-    BAD = "bad"
-    UNKNOWN = "unknown"
-
 
 MOSTLY = 0.5
 """A flock of which more than this share stands, stands."""
@@ -43,32 +33,9 @@ WRONG_HEADINGS = 0.35
 DOUBTFUL_HEADINGS = 0.15
 """The same (9°) where headings begin at values that are no angles in radians."""
 
+__all__ = ["Mark", "RunVerdict", "headline", "verdicts_of"]
+
 SURE = "How sure are we?"
-
-
-@dataclass(frozen=True)
-class RunVerdict:
-    """One sentence about the run.
-
-    Attributes
-    ----------
-    question : str
-        What it answers.
-    mark : Mark
-        How the run does.
-    answer : str
-        A few words.
-    because : str
-        The figures it rests on.
-    short : str
-        One or two words for a headline or a table of runs; empty for the lesser questions.
-    """
-
-    question: str
-    mark: Mark
-    answer: str
-    because: str
-    short: str = ""
 
 
 def verdicts_of(
@@ -93,9 +60,13 @@ def verdicts_of(
         Aligned? Together? Safe? Within limits? How sure? The whole run?
     """
     value = {key: float(number.value) for key, number in numbers.items()}
-    verdicts = [_aligned(value, threshold, slowest), _together(value), _safe(value)]
+    verdicts = [
+        _aligned(value, threshold, slowest, recording.headed),
+        _together(value),
+        _safe(value),
+    ]
     verdicts += _limits(value)
-    verdicts.append(_in_degrees(recording, value) or _sure(value))
+    verdicts.append(_in_degrees(recording, value) or _jumping(recording) or _sure(value))
     verdicts += _complete(recording, value)
     return tuple(verdicts)
 
@@ -111,14 +82,14 @@ def headline(verdicts: tuple[RunVerdict, ...]) -> str:
     return ", ".join(verdict.short for verdict in verdicts if verdict.short)
 
 
-def _aligned(v: Mapping[str, float], threshold: float, slowest: float) -> RunVerdict:
+def _aligned(v: Mapping[str, float], threshold: float, slowest: float, headed: bool) -> RunVerdict:
     question = "Did the flock align?"
     motion, headings = v["gamma_motion"], v["gamma_headings"]
     if v["robots"] < 2:
         return RunVerdict(
             question, Mark.UNKNOWN, "One robot has nobody to align with.", "", "alone"
         )
-    if v["left_out_headings"] >= 1.0:
+    if v["left_out_headings" if headed else "left_out_motion"] >= 1.0:
         because = "γ is undefined without neighbours."
         return RunVerdict(
             question, Mark.UNKNOWN, "No robot had a neighbour.", because, "no neighbours"
@@ -135,7 +106,7 @@ def _aligned(v: Mapping[str, float], threshold: float, slowest: float) -> RunVer
             "have a direction, or without a neighbour that moves."
         )
     moves_aligned = ties.reached(motion, threshold)
-    points_aligned = ties.reached(headings, threshold)
+    points_aligned = ties.reached(headings, threshold) if headed else moves_aligned
     if moves_aligned and points_aligned:
         if stood := int(v["robots_standing"]):
             because += f" {stood} of {v['robots']:g} robots stood over half the time."
@@ -231,7 +202,10 @@ def _safe(v: Mapping[str, float]) -> RunVerdict:
         if ties.reached(nearest, 0.0)
         else f"A centre was {-nearest:.3f} m outside the arena."
     )
-    if "smallest_distance" in v:
+    unseen = "smallest_distance" in v and "collisions" not in v
+    if unseen:
+        because = f"Centres never closer than {v['smallest_distance']:.3f} m. {because}"
+    elif "smallest_distance" in v:
         because = (
             f"Centres never closer than {v['smallest_distance']:.3f} m, collision points "
             f"{v['smallest_collision_distance']:.3f} m. {because}"
@@ -244,6 +218,9 @@ def _safe(v: Mapping[str, float]) -> RunVerdict:
     faults = " and ".join(f"{n} {word}{'s' if n > 1 else ''}" for n, word in counts if n)
     if faults:
         return RunVerdict(question, Mark.BAD, f"No: {faults}.", because, f"unsafe: {faults}")
+    if unseen:
+        answer = "Nobody outside; collisions are unknown without headings."
+        return RunVerdict(question, Mark.UNKNOWN, answer, because)
     return RunVerdict(question, Mark.GOOD, "Yes: no collision, nobody outside.", because, "safe")
 
 
@@ -289,7 +266,7 @@ def _limits(v: Mapping[str, float]) -> Iterator[RunVerdict]:
 
 def _in_degrees(recording: Run, v: Mapping[str, float]) -> RunVerdict | None:
     """Judge headings that begin beyond a full turn, and that motion does not confirm."""
-    first = float(np.nanmax(np.abs(recording.poses[0, 2])))
+    first = float(np.nanmax(np.abs(recording.poses[0, 2]))) if recording.headed else 0.0
     if first <= 2 * math.pi or not v["heading_offset"] > DOUBTFUL_HEADINGS:
         return None
     return RunVerdict(
@@ -297,8 +274,14 @@ def _in_degrees(recording: Run, v: Mapping[str, float]) -> RunVerdict | None:
         Mark.BAD,
         "Not at all: headings seem to be in degrees.",
         f"They begin at up to {first:.3g}, which is no angle in radians, and robots do not move "
-        "along them: convert them with numpy.radians, and report again.",
+        "along them: report again with --degrees.",
     )
+
+
+def _jumping(recording: Run) -> RunVerdict | None:
+    """Judge poses that no wheels can reach."""
+    told = plausibility.told(recording) if recording.headed else None
+    return None if told is None else RunVerdict(SURE, Mark.BAD, *told)
 
 
 def _sure(v: Mapping[str, float]) -> RunVerdict:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from posflock_robotarium.calibration.plausibility import Sightings
 from posflock_robotarium.calibration.step_times import MEMORY, StepTimes
 from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.logs.plausibility import Sightings
 from posflock_robotarium.logs.run import GAP_FACTOR, Run
 from rps_compat.kinematics import wrap
 

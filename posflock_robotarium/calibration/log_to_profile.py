@@ -19,16 +19,16 @@ from posflock_robotarium.calibration.fit import (
 )
 from posflock_robotarium.calibration.identifiability import USEFUL, FittedParameter, LeftOut
 from posflock_robotarium.calibration.increments import NO_COMMANDS, increments_of
-from posflock_robotarium.calibration.plausibility import (
-    TOO_MANY_JUMPS,
-    Sightings,
-    sightings_of,
-)
 from posflock_robotarium.calibration.residuals import damaged, hidden_stalls
 from posflock_robotarium.calibration.result import Calibration, Jitter, PerRobot, Unexplained
 from posflock_robotarium.calibration.step_times import StepTimes, TimesOrigin, step_times_of
 from posflock_robotarium.calibration.tracking import heading_offsets, lateral_jitter
 from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.logs.plausibility import (
+    TOO_MANY_JUMPS,
+    Sightings,
+    sightings_of,
+)
 from posflock_robotarium.logs.run import Run
 
 Floats = NDArray[np.float64]

@@ -29,7 +29,11 @@ Workers = Annotated[int | None, typer.Option(min=1, help="Processes; by default 
 
 Logs = Annotated[
     list[Path],
-    typer.Argument(help="Pose logs: ours, or .npy, .npz, .mat, CSV, text.", show_default=False),
+    typer.Argument(
+        help="Pose logs: ours, or .npy, .npz, .mat, .mcap, CSV, text, ROS CSV, TUM, EuRoC, MRCLAM, "
+        "Motive CSV, Vicon CSV, ROS 2 bag.",
+        show_default=False,
+    ),
 ]
 Log = Annotated[Path, typer.Argument(help="Pose log of one run.", show_default=False)]
 Runs = Annotated[
@@ -37,7 +41,9 @@ Runs = Annotated[
 ]
 Layout = Annotated[
     str | None,
-    typer.Option(help="Axes of an array: T,3,N  3,N,T  T,N,3  T,3N  3N,T", show_default=False),
+    typer.Option(
+        help="Axes of an array: T,3,N  3,N,T  T,N,3  T,3N  3N,T  T,5N  5N,T", show_default=False
+    ),
 ]
 Columns = Annotated[
     str | None,
@@ -48,6 +54,17 @@ Columns = Annotated[
 ]
 Step = Annotated[
     float | None, typer.Option("--dt", help="Seconds between samples.", show_default=False)
+]
+LengthUnit = Annotated[
+    str | None,
+    typer.Option("--units", help="What lengths are in: m, cm or mm.", show_default=False),
+]
+Degrees = Annotated[bool, typer.Option("--degrees", help="Angles are in degrees.")]
+FileClock = Annotated[
+    str,
+    typer.Option(
+        "--time", help="file, or none: count samples --dt apart instead of the file's own times."
+    ),
 ]
 Array = Annotated[
     str | None, typer.Option(help="Which array of a file is the poses.", show_default=False)

@@ -21,6 +21,9 @@ def report(
     dt: options.Step = None,
     array: options.Array = None,
     drop_damaged: options.DropDamaged = False,
+    units: options.LengthUnit = None,
+    degrees: options.Degrees = False,
+    time: options.FileClock = "file",
     max_size: options.LargestLog = 256.0,
     max_robots: options.MostRobots = 200,
     join: options.Joined = False,
@@ -49,7 +52,9 @@ def report(
 
     analyses = _analyse(
         logs,
-        _reading(layout, columns, dt, array, drop_damaged, max_size, max_robots),
+        _reading(
+            layout, columns, dt, array, drop_damaged, units, degrees, time, max_size, max_robots
+        ),
         radius,
         window,
         slowest,
@@ -98,6 +103,9 @@ def compare(
     dt: options.Step = None,
     array: options.Array = None,
     drop_damaged: options.DropDamaged = False,
+    units: options.LengthUnit = None,
+    degrees: options.Degrees = False,
+    time: options.FileClock = "file",
     max_size: options.LargestLog = 256.0,
     max_robots: options.MostRobots = 200,
     radius: options.Radius = None,
@@ -121,7 +129,9 @@ def compare(
     from posflock_robotarium.alignment.comparison import compare as compare_runs
 
     with _resimulated(runs, resimulate) as logs:
-        reading = _reading(layout, columns, dt, array, drop_damaged, max_size, max_robots)
+        reading = _reading(
+            layout, columns, dt, array, drop_damaged, units, degrees, time, max_size, max_robots
+        )
         analyses = _analyse(logs, reading, radius, window, slowest, transient, False)
     comparison = compare_runs(analyses, labels.split(",") if labels else None)
     if json:
@@ -150,6 +160,9 @@ def replay(
     dt: options.Step = None,
     array: options.Array = None,
     drop_damaged: options.DropDamaged = False,
+    units: options.LengthUnit = None,
+    degrees: options.Degrees = False,
+    time: options.FileClock = "file",
     max_size: options.LargestLog = 256.0,
     max_robots: options.MostRobots = 200,
 ) -> None:
@@ -167,7 +180,12 @@ def replay(
     from posflock_robotarium.report import read
     from posflock_robotarium.report.video import write_video
 
-    recording = read(log, _reading(layout, columns, dt, array, drop_damaged, max_size, max_robots))
+    recording = read(
+        log,
+        _reading(
+            layout, columns, dt, array, drop_damaged, units, degrees, time, max_size, max_robots
+        ),
+    )
     with progress("filming") as told:
         write_video(recording, video, fps=fps, speed=speed, robot=recording.robot, progress=told)
     say(f"wrote {video}")
@@ -182,6 +200,9 @@ def convert(
     dt: options.Step = None,
     array: options.Array = None,
     drop_damaged: options.DropDamaged = False,
+    units: options.LengthUnit = None,
+    degrees: options.Degrees = False,
+    time: options.FileClock = "file",
     max_size: options.LargestLog = 256.0,
     max_robots: options.MostRobots = 200,
 ) -> None:
@@ -205,7 +226,9 @@ def convert(
         raise ParameterError(f"--out {target} does not end in .{to}")
     if target.exists() and target.resolve() == log.resolve():
         raise ParameterError(f"{target} is the log itself; name another file with --out")
-    reading = _reading(layout, columns, dt, array, drop_damaged, max_size, max_robots)
+    reading = _reading(
+        layout, columns, dt, array, drop_damaged, units, degrees, time, max_size, max_robots
+    )
     say(f"wrote {write(read(log, reading), target)}")
 
 
@@ -215,14 +238,31 @@ def _reading(
     dt: float | None,
     array: str | None,
     drop_damaged: bool,
+    units: str | None,
+    degrees: bool,
+    time: str,
     max_size: float,
     max_robots: int,
 ) -> "ReadOptions":
-    from posflock_robotarium.logs.readers import Bounds
+    from posflock_robotarium.flocking.errors import ParameterError
+    from posflock_robotarium.logs.readers import Bounds, Clock, Lengths
     from posflock_robotarium.report import ReadOptions
 
-    bounds = Bounds(max_size, max_robots)
-    return ReadOptions(layout, columns, dt, array, drop_damaged, bounds)
+    if units is not None and units not in (known := [length.value for length in Lengths]):
+        raise ParameterError(f"--units {units!r} is none of {', '.join(known)}")
+    if time not in (clocks := [clock.value for clock in Clock]):
+        raise ParameterError(f"--time {time!r} is none of {', '.join(clocks)}")
+    return ReadOptions(
+        layout,
+        columns,
+        dt,
+        array,
+        drop_damaged,
+        Bounds(max_size, max_robots),
+        Clock(time),
+        None if units is None else Lengths(units),
+        degrees,
+    )
 
 
 def _analyse(

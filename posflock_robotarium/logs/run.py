@@ -119,7 +119,8 @@ class Run:
     t : (T,) array
         Seconds, strictly increasing.
     poses : (T, 3, N) array
-        x, y in metres and heading in radians.
+        x, y in metres and heading in radians; where only positions were logged, every heading is
+        NaN.
     commands : (T, 2, N) array, optional
         Commanded linear (m/s) and angular (rad/s) velocity.
     intervention : (T,) array, optional
@@ -204,6 +205,11 @@ class Run:
     def robots(self) -> int:
         """How many robots were recorded."""
         return int(self.poses.shape[2])
+
+    @property
+    def headed(self) -> bool:
+        """Whether headings were logged, not positions only."""
+        return not bool(np.isnan(self.poses[0, 2, 0]))
 
     @property
     def step(self) -> float:
@@ -318,6 +324,7 @@ def _check_poses(where: str, poses: Floats) -> None:
     with np.errstate(invalid="ignore"):
         positions_sound = bool(np.abs(poses[:, :2]).max() <= FARTHEST)
         headings_sound = bool(np.abs(poses[:, 2]).max() <= LARGEST_HEADING)
+    headings_sound |= bool(np.isnan(poses[:, 2]).all())
     if positions_sound and headings_sound:
         return
     limit = np.array([FARTHEST, FARTHEST, LARGEST_HEADING])[:, np.newaxis]

@@ -223,6 +223,12 @@ def page_data(analyses: Sequence[Analysis]) -> PageData:
     )
 
 
+def _courses(positions: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the directions of motion, which stand for headings that nobody logged."""
+    ahead = np.diff(positions, axis=0, append=positions[-1:])
+    return np.asarray(np.arctan2(ahead[:, 1], ahead[:, 0]))
+
+
 def _replay(analysis: Analysis, budget: int) -> Replay:
     recording, robot = analysis.recording, analysis.robot
     samples, _, robots = recording.poses.shape
@@ -235,7 +241,8 @@ def _replay(analysis: Analysis, budget: int) -> Replay:
     steps = np.empty(poses.shape, dtype=np.uint16)
     scaled = (poses[:, :2] - low[:, np.newaxis]) / span[:, np.newaxis]
     steps[:, :2] = np.rint(scaled * 65534)
-    steps[:, 2] = np.rint(np.remainder(poses[:, 2], 2 * np.pi) / (2 * np.pi) * 65534)
+    headings = poses[:, 2] if recording.headed else _courses(poses[:, :2])
+    steps[:, 2] = np.rint(np.remainder(headings, 2 * np.pi) / (2 * np.pi) * 65534)
     return Replay(
         name=analysis.name,
         robots=robots,

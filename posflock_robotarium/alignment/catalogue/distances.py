@@ -28,7 +28,7 @@ def _between_centres(measure: Callable[[Floats], Floats]) -> CurveFunction:
 
 
 def _between_collision_points(run: MeasuredRun) -> Floats | None:
-    if run.recording.robots < 2:
+    if run.recording.robots < 2 or not run.recording.headed:
         return None
     offset, headings = run.robot.collision_offset, run.velocities("headings")
     return run.by_stretch(
@@ -39,8 +39,8 @@ def _between_collision_points(run: MeasuredRun) -> Floats | None:
 
 
 def _of_pairs(value: NumberFunction) -> NumberFunction:
-    """Return the same function, that says nothing of a robot alone."""
-    return lambda run: value(run) if run.recording.robots > 1 else None
+    """Return the same function, that says nothing of a robot alone, or without headings."""
+    return lambda run: value(run) if run.recording.robots > 1 and run.recording.headed else None
 
 
 register(

@@ -12,14 +12,20 @@ from posflock_robotarium.logs.readers.forms import (
     register,
     registered,
 )
-from posflock_robotarium.logs.readers.found import Clock, Found, ReadOptions
+from posflock_robotarium.logs.readers.found import Clock, Found, Lengths, ReadOptions
 from posflock_robotarium.logs.readers.matlab import MATLAB
+from posflock_robotarium.logs.readers.mcap_logs import MCAP
+from posflock_robotarium.logs.readers.motion_capture import MOTIVE, VICON
+from posflock_robotarium.logs.readers.mrclam import MRCLAM
 from posflock_robotarium.logs.readers.numpy_archives import NPZ
 from posflock_robotarium.logs.readers.numpy_arrays import NPY
 from posflock_robotarium.logs.readers.pickles import PICKLE
 from posflock_robotarium.logs.readers.pose_logs import POSE_LOG
 from posflock_robotarium.logs.readers.reading import read, read_parts, read_pose_log
+from posflock_robotarium.logs.readers.ros_bags import ROS_BAG
+from posflock_robotarium.logs.readers.ros_csv import ROS_CSV
 from posflock_robotarium.logs.readers.text import TEXT
+from posflock_robotarium.logs.readers.trajectories import EUROC, TUM
 from posflock_robotarium.logs.run import LayoutError, Run
 
 __all__ = [
@@ -28,6 +34,7 @@ __all__ = [
     "Form",
     "Found",
     "LayoutError",
+    "Lengths",
     "ReadOptions",
     "Run",
     "Sign",
@@ -40,5 +47,7 @@ __all__ = [
     "registered",
 ]
 
-for _form in (POSE_LOG, NPY, NPZ, MATLAB, PICKLE, TEXT):
+_BY_CONTENT = (POSE_LOG, ROS_BAG, ROS_CSV, TUM, EUROC, MRCLAM, MOTIVE, VICON)
+_BY_SIGNATURE = (NPY, NPZ, MATLAB, MCAP, PICKLE)
+for _form in (*_BY_CONTENT, *_BY_SIGNATURE, TEXT):
     register(_form)

@@ -24,6 +24,14 @@ class Clock(Enum):
     NONE = "none"
 
 
+class Lengths(Enum):
+    """What lengths may be in."""
+
+    M = "m"
+    CM = "cm"
+    MM = "mm"
+
+
 @dataclass(frozen=True)
 class ReadOptions:
     """What the user says about a file that does not say it itself.
@@ -45,6 +53,10 @@ class ReadOptions:
         How large the file may be.
     clock : Clock
         Whether the file's own times are used.
+    units : Lengths, optional
+        What lengths are in, where the file does not say it.
+    degrees : bool
+        Whether angles are in degrees, where the file does not say it.
 
     Raises
     ------
@@ -59,6 +71,8 @@ class ReadOptions:
     drop_damaged: bool = False
     bounds: Bounds = BOUNDS
     clock: Clock = Clock.FILE
+    units: Lengths | None = None
+    degrees: bool = False
 
     def __post_init__(self) -> None:
         if self.dt is not None and not (np.isfinite(self.dt) and self.dt > 0):
@@ -95,6 +109,8 @@ class Found:
         What the file says about the run.
     promised : int, optional
         Rows that the file says were written into it.
+    lengths_told, angles_told : bool
+        Whether the file itself says what its lengths and angles are in, and they were converted.
     """
 
     t: Floats | None
@@ -107,6 +123,8 @@ class Found:
     status: NDArray[np.str_] | None = None
     parameters: Mapping[str, Any] = field(default_factory=dict)
     promised: int | None = None
+    lengths_told: bool = False
+    angles_told: bool = False
 
     def noted(self, note: str) -> Found:
         """Return the same with one more note.

@@ -98,8 +98,18 @@ LAYOUTS: tuple[Layout, ...] = (
 )
 NAMES = tuple(dict.fromkeys(layout.name for layout in LAYOUTS))
 COLUMN_ORDERS = ("state", "robot")
+_FAR, _SLIDING = 0.005, 0.25
+"""Metres in five samples that are motion and no noise, and a share of it that no wheels do."""
+_LONGER_THAN_ARENAS = 10.0
+"""Seconds of a run that are no metres of an arena."""
 MATLABS_OWN = "robotarium_data"
 """What the testbed's MATLAB interface calls its log, 5N numbers at each time, by robot."""
+
+
+def _is_clock(values: Floats) -> bool:
+    """Whether rising values are a time: regular as no robot drives, or longer than arenas are."""
+    steps = np.diff(values)
+    return bool(np.ptp(values) > _LONGER_THAN_ARENAS or np.ptp(steps) < 1e-3 * np.mean(steps))
 
 
 def to_states(
@@ -162,6 +172,8 @@ def to_states(
     if len(fits) == 1:
         how = "as asked" if layout is not None else "the only one that fits the shape"
         chosen, label = fits[0], f"layout {fits[0].label}, {how}"
+        if layout is None and chosen.axes == 2:
+            _ask_where_robots_slide(chosen, array, where)
     else:
         chosen, label = _decide_by_rolling(array, where, fits)
     states = chosen.turn(array)
@@ -214,7 +226,11 @@ def _fitting(
         and 0 < candidate.robots(shape) <= (size if named else MOST_ROBOTS)
     ]
     lengths = {id(c): size // (c.each * c.robots(shape)) for c in fits}
-    fits = [c for c in fits if lengths[id(c)] > 1 and samples in (None, lengths[id(c)])]
+    # A few samples of many robots with commands are what any short table looks like.
+    least = {3: 2, 5: 2 if named else 6}
+    fits = [
+        c for c in fits if lengths[id(c)] >= least[c.each] and samples in (None, lengths[id(c)])
+    ]
     # With one robot, both orders of columns are the same columns.
     return [
         c for c in fits if not (c.columns == "robot" and columns is None and c.robots(shape) == 1)
@@ -255,7 +271,9 @@ def split_time(table: Floats) -> tuple[Floats | None, Floats, str | None]:
         more = table.shape[axis] - 1
         if more > 0 and (more % 3 == 0 or more % 5 == 0) and table.shape[1 - axis] > 1:
             first = table[:, 0] if axis == 1 else table[0]
-            if increases(first):
+            # x of a robot may increase as well, where the table needs no time to be whole.
+            whole = (more + 1) % 3 == 0 or (more + 1) % 5 == 0
+            if increases(first) and (not whole or _is_clock(first)):
                 return first, table[:, 1:] if axis == 1 else table[1:], along
     return None, table, None
 
@@ -307,6 +325,21 @@ def sideways_share(poses: Floats) -> float:
     across = -np.sin(middle) * dx + np.cos(middle) * dy
     total = float(np.sum(dx * dx + dy * dy))
     return float(np.sum(across * across)) / total if total > 0 else float("nan")
+
+
+def _ask_where_robots_slide(chosen: Layout, array: Floats, where: str) -> None:
+    """Refuse the only reading of a flat table if robots drive across their headings in it."""
+    poses = chosen.turn(array)[:, :3]
+    with np.errstate(all="ignore"):
+        far = np.sqrt(np.mean((poses[5:, :2] - poses[:-5, :2]) ** 2)) if len(poses) > 5 else 0.0
+        share = sideways_share(poses)
+    if far > _FAR and share > _SLIDING:
+        raise LayoutError(
+            f"{where}: shape {array.shape} fits {chosen.label} with {chosen.robots(array.shape)} "
+            f"robots, but then {share:.0%} of their motion is sideways: are these other numbers, "
+            "positions only, or headings in degrees? Name all columns in a header or with "
+            f"--columns t,x1,y1,…, or say --layout {chosen.name} if it is right (with --degrees)"
+        )
 
 
 def _decide_by_rolling(array: Floats, where: str, fits: list[Layout]) -> tuple[Layout, str]:

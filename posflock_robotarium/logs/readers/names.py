@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 
 POSE_NAMES = (
@@ -29,12 +30,44 @@ STATE_OF = {name: state for state, names in STATE_NAMES.items() for name in name
 _STATE_FIRST = re.compile(
     r"(?P<state>[a-zθ]+(?:_(?:m|rad))?)[\s_.\-]*[\[({]?(?P<robot>\d+)[\])}]?(?:_(?:m|rad))?"
 )
-MILLISECONDS = re.compile(
-    rf"(?P<name>{'|'.join(TIME_NAMES)})[\s_]*[\[(]?(?:ms|msec|milliseconds)[\])]?"
-)
 _ROBOT_FIRST = re.compile(
     r"(?:robot|agent|r)?[\s_.\-]*(?P<robot>\d+)[\s_.\-:/]*(?P<state>[a-zθ_]+)"
 )
+
+
+LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
+ANGLES = {"rad": 1.0, "deg": math.pi / 180, "degree": math.pi / 180, "degrees": math.pi / 180}
+ANGLES["°"] = ANGLES["deg"]
+SECONDS = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "msec": 1e-3, "milliseconds": 1e-3}
+SECONDS |= {"us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ns": 1e-9, "nsec": 1e-9, "nanoseconds": 1e-9}
+_UNITS = "|".join(sorted({*LENGTHS, *ANGLES, *SECONDS}, key=len, reverse=True))
+_WITH_UNIT = re.compile(
+    rf"(?P<name>.+?)(?:[\s_]*[\[(]\s*(?P<inside>{_UNITS})\s*[\])]|[\s_]+(?P<after>{_UNITS}))"
+)
+
+
+def split_unit(word: str) -> tuple[str, str | None]:
+    """Take the unit off a column's name, if it has one.
+
+    Parameters
+    ----------
+    word : str
+        The column's name, in lower case.
+
+    Returns
+    -------
+    name : str
+        The rest of it.
+    unit : str, optional
+        A key of `LENGTHS`, `ANGLES` or `SECONDS`.
+
+    Examples
+    --------
+    >>> split_unit("x1 [mm]"), split_unit("theta1_deg"), split_unit("y2")
+    (('x1', 'mm'), ('theta1', 'deg'), ('y2', None))
+    """
+    match = _WITH_UNIT.fullmatch(word)
+    return (match["name"], match["inside"] or match["after"]) if match else (word, None)
 
 
 def numbered(word: str) -> tuple[str, str] | None:
@@ -70,5 +103,6 @@ def names_a_column(word: str) -> bool:
     word : str
         A cell of what may be a header, in lower case.
     """
-    known = word in TIME_NAMES or word in STATE_OF or word in ROBOT_NAMES
-    return known or numbered(word) is not None
+    bare, _ = split_unit(word)
+    known = bare in TIME_NAMES or bare in STATE_OF or bare in ROBOT_NAMES
+    return known or numbered(bare) is not None

@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,8 @@ from numpy.typing import NDArray
 from posflock_robotarium.flocking.errors import LogError, ParameterError, PosflockError
 from posflock_robotarium.flocking.pose_log import log_paths
 from posflock_robotarium.logs.readers.bounds import Bounds
+from posflock_robotarium.logs.readers.bundles import files_of, is_bundle
+from posflock_robotarium.logs.readers.clocks import Track, joined
 from posflock_robotarium.logs.readers.forms import form_of
 from posflock_robotarium.logs.readers.found import Found, ReadOptions
 from posflock_robotarium.logs.readers.named_arrays import poses_among
@@ -25,6 +28,7 @@ from posflock_robotarium.logs.readers.names import STATE_NAMES, TIME_NAMES
 from posflock_robotarium.logs.readers.numpy_arrays import NPY, read_npy
 from posflock_robotarium.logs.readers.pose_logs import FIELDS, POSE_LOG, run_of
 from posflock_robotarium.logs.readers.timing import timed
+from posflock_robotarium.logs.readers.units import SAME_FRAME, in_metres, without_repeats
 from posflock_robotarium.logs.run import Run, missing_rows
 
 Floats = NDArray[np.float64]
@@ -36,7 +40,8 @@ def read(path: str | os.PathLike[str], options: ReadOptions | None = None) -> Ru
     Parameters
     ----------
     path : path
-        A pose log (with or without ``.npy``), ``.npy``, ``.npz``, ``.mat``, CSV or text.
+        A pose log (with or without ``.npy``), or a file of any form in the registry; a folder or a
+        ``.zip`` with the files of one run.
     options : ReadOptions, optional
         What the file does not say itself.
 
@@ -53,6 +58,9 @@ def read(path: str | os.PathLike[str], options: ReadOptions | None = None) -> Ru
         When the file is sound but could be read in more than one way.
     """
     options = options or ReadOptions()
+    if is_bundle(Path(path)):
+        with files_of(Path(path), options.bounds) as files:
+            return replace(read_parts(files, options), name=Path(path).stem, sources=(str(path),))
     file = _existing(Path(path))
     with _named(file):
         found = form_of(file).read(file, options)
@@ -84,8 +92,9 @@ def read_pose_log(path: str | os.PathLike[str]) -> Run:
 def read_parts(paths: Sequence[str | os.PathLike[str]], options: ReadOptions | None = None) -> Run:
     """Read one run that was saved in several files.
 
-    The files are either consecutive parts, each with its own poses, in order of time; or they
-    complement each other (``poses.npy`` and ``time.npy``; ``x.npy``, ``y.npy``, ``theta.npy``).
+    The files are consecutive parts, each with its own poses, in order of time; or they complement
+    each other (``poses.npy`` and ``time.npy``; ``x.npy``, ``y.npy``, ``theta.npy``); or each is one
+    robot over the same time, on a clock of its own.
 
     Parameters
     ----------
@@ -113,7 +122,32 @@ def read_parts(paths: Sequence[str | os.PathLike[str]], options: ReadOptions | N
         found = poses_among(named, " + ".join(file.name for file in files), options)
         joined = f"{len(files)} files that complement each other: {', '.join(named)}"
         return _recording(found, files[0].parent.name or "run", sources, options).noted(joined)
+    robots = _one_robot_each(files, options)
+    if robots is not None:
+        return _recording(robots, files[0].parent.name or "run", tuple(map(str, files)), options)
     return _concatenate([read(file, options) for file in files])
+
+
+def _one_robot_each(files: list[Path], options: ReadOptions) -> Found | None:
+    """Join files of one robot each that were logged at the same time; None where they are not."""
+    tracks, told = [], []
+    for file in files:
+        with _named(file):
+            found = form_of(file).read(file, options)
+            if isinstance(found, Run) or found.t is None or found.poses.shape[2] != 1:
+                return None
+            found = timed(without_repeats(found), str(file), options)
+            found = without_repeats(found, SAME_FRAME)
+        tracks.append(Track(file.stem, np.asarray(found.t), found.poses[:, :, 0]))
+        told.append((found.lengths_told, found.angles_told))
+        notes = [f"{len(files)} files of one robot each, the first: {found.notes[0]}"]
+    ends = min(track.t[-1] for track in tracks), max(track.t[-1] for track in tracks)
+    starts = min(track.t[0] for track in tracks), max(track.t[0] for track in tracks)
+    if not starts[1] < ends[0]:
+        return None  # one after the other
+    found = joined(tracks, str(files[0].parent), notes)
+    lengths, angles = (all(each) for each in zip(*told, strict=True))
+    return replace(found, notes=tuple(notes), lengths_told=lengths, angles_told=angles)
 
 
 @contextmanager
@@ -134,8 +168,6 @@ def _existing(path: Path) -> Path:
     for candidate in candidates:
         if candidate.is_file():
             return candidate
-    if path.is_dir():
-        raise LogError(f"{path}: a folder; name the log file in it")
     raise LogError(f"{path}: no such file")
 
 
@@ -143,7 +175,10 @@ def _recording(found: Found, name: str, sources: tuple[str, ...], options: ReadO
     """Time what was found, leave out what is none, and check it."""
     options.bounds.require_robots(found.poses.shape[2], sources[0])
     recorded, doubts = found.t is not None, missing_rows(len(found.poses), found.promised)
-    found = _without_tail(timed(found, sources[0], options))
+    found = in_metres(_without_tail(found), sources[0], options)
+    # Equal times must go before times are judged, nearly equal ones need seconds.
+    found = timed(without_repeats(found), sources[0], options)
+    found = without_repeats(found, SAME_FRAME)
     if options.drop_damaged:
         found = _without_damage(found)
     t = np.asarray(found.t)
@@ -177,7 +212,9 @@ def _without_tail(found: Found) -> Found:
 
 def _without_damage(found: Found) -> Found:
     """Leave out rows that are not finite; their place in time is a gap."""
-    sound = np.asarray(np.isfinite(found.poses).all(axis=(1, 2)))
+    headed = not np.isnan(found.poses[:, 2]).all()
+    seen = found.poses if headed else found.poses[:, :2]
+    sound = np.asarray(np.isfinite(seen).all(axis=(1, 2)))
     if found.t is not None:
         sound &= np.isfinite(found.t)
     if sound.all():

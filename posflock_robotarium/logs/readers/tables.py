@@ -1,10 +1,14 @@
 """A rectangle of numbers in a text file, and the names of its columns where there are any.
 
 Whatever separates the cells, wherever comments stand: damage is told with file, line and reason.
+Spreadsheets quote numbers, end rows with a comma and write in UTF-16 or Latin-1; a column may hold
+words, such as robots' names; a cell may be empty, which is an unknown number; and the last row of a
+log that was cut off is short, and left out.
 """
 
 from __future__ import annotations
 
+import codecs
 import csv
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -44,6 +48,10 @@ class Table:
         Rows that the file says were written into it.
     torn : bool
         Whether the last line has no end: it may be half of one.
+    words : mapping of int to tuple of str
+        Columns that hold words, by their place; their values are NaN.
+    notes : tuple of str
+        How its text was read, where that is worth a sentence.
     """
 
     path: Path
@@ -54,6 +62,8 @@ class Table:
     decimal_comma: bool = False
     promised: int | None = None
     torn: bool = False
+    words: Mapping[int, tuple[str, ...]] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
 
 def read_table(path: Path, bounds: Bounds = BOUNDS) -> Table:
@@ -76,7 +86,7 @@ def read_table(path: Path, bounds: Bounds = BOUNDS) -> Table:
     LogError
         With file, line and reason, when a cell is not a number or rows differ in length.
     """
-    text = _text(path, bounds)
+    text, notes = _text(path, bounds)
     lines = text.splitlines()
     _refuse_long_lines(path, lines)
     start = next((i for i, line in enumerate(lines) if _content(line)), None)
@@ -101,29 +111,46 @@ def read_table(path: Path, bounds: Bounds = BOUNDS) -> Table:
         lines = lines[:start] + [line.replace(",", ".") for line in lines[start:]]
     names: tuple[str, ...] = ()
     cells = _split(_content(lines[start]), delimiter)
-    if not any(_is_number(cell) for cell in cells):
+    if not any(_is_number(cell.strip().strip('"')) for cell in cells):
         names = tuple(cell.strip().strip("\"'").strip() for cell in cells)
         start += 1
     elif (comment := _commented_header(lines, start, delimiter)) is not None:
         names = comment
-    values = _numbers(path, lines, start, delimiter)
+    values, words, told = _cells(path, lines, start, delimiter)
+    if names and len(names) == values.shape[1] + 1 and not names[-1]:
+        names = names[:-1]
     if names and len(names) != values.shape[1]:
         raise LogError(
             f"{path}: the header names {len(names)} columns, the rows have {values.shape[1]}"
         )
-    return Table(path, values, names, delimiter, said, decimal_comma, promised, torn)
+    notes += told
+    torn = torn and not told
+    return Table(path, values, names, delimiter, said, decimal_comma, promised, torn, words, notes)
 
 
-def _text(path: Path, bounds: Bounds) -> str:
+def _text(path: Path, bounds: Bounds) -> tuple[str, tuple[str, ...]]:
+    """Return the text of a file, and the alphabet that it is in where that is not UTF-8."""
     bounds.require_size(TEXT_TAKES * path.stat().st_size, str(path))
     raw = path.read_bytes()
-    if b"\0" in raw[:4096]:
-        raise LogError(f"{path}: a binary file, not text; expected .npy, .npz, .mat or CSV")
     try:
-        return raw.decode("utf-8-sig")
+        if raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+            return raw.decode("utf-16"), ("text in UTF-16",)
+        if b"\0" in raw[:4096]:
+            raise LogError(f"{path}: a binary file, not text; expected .npy, .npz, .mat or CSV")
+        return raw.decode("utf-8-sig"), ()
     except UnicodeDecodeError as error:
-        line = raw.count(b"\n", 0, error.start) + 1
-        raise LogError(f"{path}: line {line}: not UTF-8 text") from error
+        if error.encoding != "utf-8" or not _is_latin(raw):
+            line = raw.count(b"\n", 0, error.start) + 1
+            raise LogError(f"{path}: line {line}: not text in UTF-8 or UTF-16") from error
+        return raw.decode("latin-1"), ("text in Latin-1, since it is not UTF-8",)
+
+
+def _is_latin(raw: bytes) -> bool:
+    """Whether bytes can be Latin-1: no control characters, and few letters beyond ASCII."""
+    codes = np.frombuffer(raw, np.uint8)
+    control = (codes < 32) & ~np.isin(codes, (9, 10, 12, 13))
+    beyond = (codes >= 128).mean()
+    return bool(not control.any() and not ((codes >= 128) & (codes < 160)).any() and beyond < 0.1)
 
 
 def _refuse_long_lines(path: Path, lines: list[str]) -> None:
@@ -183,7 +210,10 @@ def _is_number(cell: str) -> bool:
     return True
 
 
-def _numbers(path: Path, lines: list[str], start: int, delimiter: str) -> Floats:
+def _cells(
+    path: Path, lines: list[str], start: int, delimiter: str
+) -> tuple[Floats, dict[int, tuple[str, ...]], tuple[str, ...]]:
+    """Return the numbers, the columns of words, and what had to be left out."""
     body = lines[start:]
     if not any(_content(line) for line in body[:100]):
         body = [line for line in body if _content(line)]
@@ -194,14 +224,45 @@ def _numbers(path: Path, lines: list[str], start: int, delimiter: str) -> Floats
             body,
             delimiter=None if delimiter == " " else delimiter,
             comments=["#", "%"],
+            quotechar='"',
             ndmin=2,
             dtype=np.float64,
         )
     except ValueError as error:
-        raise LogError(_first_fault(path, lines, start, delimiter, str(error))) from error
+        found = _unusual_cells(body, delimiter)
+        if found is None:
+            raise LogError(_first_fault(path, lines, start, delimiter, str(error))) from error
+        return found
     if values.size == 0:
         raise LogError(f"{path}: empty, no row of numbers in it")
-    return values
+    return values, {}, ()
+
+
+def _unusual_cells(
+    body: list[str], delimiter: str
+) -> tuple[Floats, dict[int, tuple[str, ...]], tuple[str, ...]] | None:
+    """Return a table with empty cells, words, a comma at the end or a short last row, or None."""
+    rows = [_split(content, delimiter) for line in body if (content := _content(line))]
+    notes: tuple[str, ...] = ()
+    if len(rows) > 2 and len(rows[-1]) < len(rows[0]):
+        del rows[-1]
+        notes = ("the last row is cut off, and left out",)
+    if len({len(row) for row in rows}) != 1 or not rows[0]:
+        return None
+    columns = [[cell.strip().strip("\"'") for cell in column] for column in zip(*rows, strict=True)]
+    if len(columns) > 1 and delimiter != " " and not any(columns[-1]):
+        del columns[-1]
+    values = np.full((len(rows), len(columns)), np.nan)
+    words: dict[int, tuple[str, ...]] = {}
+    for index, column in enumerate(columns):
+        try:
+            values[:, index] = [float(cell) if cell else np.nan for cell in column]
+        except ValueError:
+            # A column is of words throughout: among numbers, a word is damage.
+            if any(_is_number(cell) for cell in column):
+                return None
+            words[index] = tuple(column)
+    return (values, words, notes) if len(words) < len(columns) else None
 
 
 def _first_fault(path: Path, lines: list[str], start: int, delimiter: str, other: str) -> str:

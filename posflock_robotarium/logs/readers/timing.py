@@ -103,8 +103,7 @@ def _in_seconds(found: Found) -> Found:
     if not fitting or fitting[-1][0] == 1.0:
         return found
     second, name = fitting[-1]
-    # The difference first: a clock in ns has more digits than a float.
-    return replace(found.noted(f"times since 1970 in {name}"), t=(t - t[0]) * second)
+    return replace(found.noted(f"times since 1970 in {name}"), t=t * second)
 
 
 def _usual_step(t: Floats) -> float:

@@ -34,6 +34,8 @@ _REACH = 0.03
 TOO_MANY_JUMPS = 0.2
 #: As far as a robot drives in a stall, m.
 _STALLED = 1.0
+#: How many jumps a sentence names.
+_NAMED = 6
 #: Equal rows from which on a pose is taken for a placeholder.
 _EQUAL_ROWS = 3
 
@@ -214,3 +216,44 @@ def _where_another_was(poses: Floats, row: int, n: int) -> bool:
     apart = np.linalg.norm(poses[row - 1, :2] - poses[row, :2, n, None], axis=0)
     apart[n] = np.inf
     return bool(np.nanmin(apart, initial=np.inf) < _REACH)
+
+
+def told(log: Run) -> tuple[str, str] | None:
+    """Say where a log's poses cannot be those of its robots; None where all can.
+
+    Parameters
+    ----------
+    log : Run
+        Poses as tracked.
+
+    Returns
+    -------
+    answer : str
+        Whether its poses can be believed, in a few words.
+    because : str
+        Which robots, and when.
+    """
+    found = sightings_of(log, log.t, counted=not log.timed)
+    share = float(found.jumps.mean())
+    if share == 0:
+        return None
+    speed, rate = fastest(log.robot)
+    limits = f"faster than wheels turn ({speed:.2g} m/s, {rate:.2g} rad/s)"
+    if share > TOO_MANY_JUMPS:
+        because = f"{share:.0%} of all motion is {limits}: other robots, times or units?"
+        return "Not at all: no such robot moves like that.", because
+    named = [str(entry) for entry in found.unbelieved]
+    rows, robots = np.nonzero(found.jumps)
+    jumps = [f"robot {n} at {log.t[k + 1]:.1f} s" for k, n in zip(rows, robots, strict=True)]
+    because = (
+        f"{len(jumps)} jump{'s' if len(jumps) > 1 else ''} {limits}: {_some(jumps)}. "
+        + (f"Not believed: {_some(named)}. " if named else "")
+        + "The other answers still rest on these poses."
+    )
+    return "Not everywhere: poses jump, as no wheels can.", because
+
+
+def _some(words: list[str]) -> str:
+    """Return the first of many, and how many more there are."""
+    more = f" and {len(words) - _NAMED} more" if len(words) > _NAMED else ""
+    return "; ".join(words[:_NAMED]) + more

@@ -1,0 +1,87 @@
+"""The files of one run in a folder, or in a ``.zip`` of one."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path, PurePosixPath
+
+from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.logs.readers.bounds import Bounds
+
+_LOGS = (".npy", ".npz", ".mat", ".csv", ".txt", ".tsv", ".dat", ".mcap", ".db3")
+MOST_FILES = 200
+"""Files of one run: more than robots that a testbed has."""
+
+
+def is_bundle(path: Path) -> bool:
+    """Tell whether a path is a folder or a ``.zip``.
+
+    Parameters
+    ----------
+    path : Path
+        What the user names as a log.
+    """
+    return path.is_dir() or (path.suffix.lower() == ".zip" and path.is_file())
+
+
+@contextmanager
+def files_of(path: Path, bounds: Bounds) -> Iterator[list[Path]]:
+    """Give the logs in a folder or ``.zip``, by name, for a ``with`` block.
+
+    Parameters
+    ----------
+    path : Path
+        A folder, of which folders within are left out, or a ``.zip``.
+    bounds : Bounds
+        To how much a ``.zip`` may unpack.
+
+    Raises
+    ------
+    LogError
+        Where there is no log in it, or more than a run has, or a ``.zip`` is damaged or too large.
+    """
+    if path.is_dir():
+        yield _logs(list(path.iterdir()), path)
+        return
+    with tempfile.TemporaryDirectory(prefix="posflock-") as place:
+        yield _logs(_unpacked(path, Path(place), bounds), path)
+
+
+def _logs(files: list[Path], path: Path) -> list[Path]:
+    logs = sorted(file for file in files if file.suffix.lower() in _LOGS and file.is_file())
+    if not logs:
+        what = "a folder" if path.is_dir() else "a .zip"
+        raise LogError(f"{path}: {what} with no log in it; expected files {', '.join(_LOGS)}")
+    if len(logs) > MOST_FILES:
+        raise LogError(f"{path}: {len(logs)} logs, more than the {MOST_FILES} of one run")
+    return logs
+
+
+def _unpacked(path: Path, place: Path, bounds: Bounds) -> list[Path]:
+    """Unpack the logs of a ``.zip`` flat, whatever paths it claims."""
+    files: list[Path] = []
+    try:
+        with zipfile.ZipFile(path) as archive:
+            members = [
+                info
+                for info in archive.infolist()
+                if PurePosixPath(info.filename).suffix.lower() in _LOGS
+                and "__MACOSX" not in info.filename
+            ]
+            bounds.require_size(sum(info.file_size for info in members), f"{path}: unpacked")
+            for info in members[: MOST_FILES + 1]:
+                target = place / PurePosixPath(info.filename.replace("\\", "/")).name
+                if target.exists():
+                    raise LogError(f"{path}: two files are called {target.name}; unpack it first")
+                with archive.open(info) as packed, target.open("wb") as out:
+                    shutil.copyfileobj(packed, out)
+                files.append(target)
+    except LogError:
+        raise
+    except Exception as error:  # zipfile passes on whatever its parts report
+        raise LogError(f"{path}: not a readable .zip ({error})") from error
+    return files

@@ -1,0 +1,182 @@
+"""What the columns of a table hold, by their names: times, robots, states, and in which units.
+
+*Wide* tables have one row a sample and columns for each robot, *long* ones a row for each robot
+and sample. Without headings, they are unknown, and everything but them is known. Rows of a long
+table that are missing leave a robot's pose unknown at that time; where every robot has times of its
+own, they are brought to a common clock.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.logs.readers.clocks import Track, joined
+from posflock_robotarium.logs.readers.found import Found
+from posflock_robotarium.logs.readers.names import (
+    ANGLES,
+    LENGTHS,
+    ROBOT_NAMES,
+    SECONDS,
+    STATE_NAMES,
+    STATE_OF,
+    TIME_NAMES,
+    numbered,
+    split_unit,
+)
+from posflock_robotarium.logs.readers.tables import Table
+from posflock_robotarium.logs.run import LayoutError
+
+Floats = NDArray[np.float64]
+
+_POSITION = ("x", "y")
+_SHARED = 0.5
+"""Share of rows at a time that other robots have too, from which on the clock is a common one."""
+
+
+@dataclass
+class _Columns:
+    """Which column holds what: indices, and those of each robot where the columns are numbered."""
+
+    time: int | None = None
+    second: float = 1.0
+    """Seconds in one of the times."""
+    robot: int | None = None
+    states: dict[str, int] = field(default_factory=dict)
+    states_of: dict[tuple[str, str], int] = field(default_factory=dict)
+    """By the name of the state and the robot's number."""
+    units: dict[int, str | None] = field(default_factory=dict)
+    """What the header says of the states' columns."""
+    unused: list[str] = field(default_factory=list)
+
+
+def by_names(table: Table, names: tuple[str, ...], notes: list[str]) -> Found:
+    """Find times and poses in a table by the names of its columns.
+
+    Parameters
+    ----------
+    table : Table
+        Numbers, and words.
+    names : tuple of str
+        One a column.
+    notes : list of str
+        How it was read, to be added to.
+
+    Raises
+    ------
+    LogError, LayoutError
+        Where the names do not say where x and y are, or robots and times do not fit together.
+    """
+    columns = _columns_of(table.path, names, notes)
+    if columns.states_of:
+        chosen = _of_each_robot(table.path, columns)
+    elif set(_POSITION) <= set(columns.states):
+        chosen = np.array([[columns.states.get(state, -1)] for state in STATE_NAMES])
+    else:
+        raise LayoutError(
+            f"{table.path}: the columns {', '.join(names[:8])}… do not say where x, y and theta "
+            "are; name them all with --columns t,x1,y1,theta1,… (- for one to leave out), "
+            "or give their order with --columns state or robot"
+        )
+    if words := sorted(set(chosen.ravel().tolist()) & set(table.words)):
+        raise LogError(f"{table.path}: column {names[words[0]]} holds words, not numbers")
+    poses = table.values[:, chosen] * _factors(chosen, columns, notes)
+    poses[:, chosen < 0] = np.nan
+    if (chosen[2] < 0).any():
+        notes.append("positions only: headings are unknown, and drawn along the motion")
+    t = None if columns.time is None else table.values[:, columns.time] * columns.second
+    if columns.robot is not None and not columns.states_of:
+        found = _long(table, columns.robot, t, poses[:, :, 0], notes)
+    else:
+        notes.append(f"{poses.shape[2]} robot(s) found by column name")
+        found = Found(t, poses, ())
+    told = {columns.units.get(int(index)) for index in chosen[:2].ravel()} <= set(LENGTHS)
+    angles = {columns.units.get(int(index)) for index in chosen[2] if index >= 0}
+    return Found(
+        found.t, found.poses, (), lengths_told=told, angles_told=bool(angles & set(ANGLES))
+    )
+
+
+def _columns_of(path: Path, names: tuple[str, ...], notes: list[str]) -> _Columns:
+    """Find out by its name what each column holds."""
+    found = _Columns()
+    for index, name in enumerate(names):
+        word, unit = split_unit(name.lower().strip())
+        if word in TIME_NAMES and found.time is None and unit not in LENGTHS:
+            found.time, found.second = index, SECONDS.get(unit or "s", 1.0)
+            if found.second == 1e-3:
+                notes.append(f"{name}: milliseconds, by its name; {word} taken in seconds")
+            elif found.second != 1.0:
+                notes.append(f"{name}: {unit}, by its name; {word} taken in seconds")
+        elif word in ROBOT_NAMES and found.robot is None:
+            found.robot = index
+        elif word in STATE_OF and STATE_OF[word] not in found.states:
+            found.states[STATE_OF[word]] = index
+            found.units[index] = unit
+        elif (key := numbered(word)) is not None:
+            if key in found.states_of:
+                raise LayoutError(f"{path}: two columns are {key[0]} of robot {key[1]}")
+            found.states_of[key] = index
+            found.units[index] = unit
+        else:
+            found.unused.append(name)
+    if found.unused:
+        notes.append(f"{len(found.unused)} column(s) not used: {', '.join(found.unused[:8])}")
+    return found
+
+
+def _of_each_robot(path: Path, columns: _Columns) -> NDArray[np.int_]:
+    """Return the columns of numbered robots, (3, N): x, y and theta, -1 for unknown headings."""
+    robots = sorted({robot for _, robot in columns.states_of}, key=int)
+    headed = any(state == "theta" for state, _ in columns.states_of)
+    needed = STATE_NAMES if headed else _POSITION
+    missing = [f"{s}{r}" for r in robots for s in needed if (s, r) not in columns.states_of]
+    if missing:
+        raise LayoutError(
+            f"{path}: no column for {', '.join(missing[:6])}; name all columns "
+            "with --columns t,x1,y1,theta1,…"
+        )
+    return np.array([[columns.states_of.get((s, r), -1) for r in robots] for s in STATE_NAMES])
+
+
+def _factors(chosen: NDArray[np.int_], columns: _Columns, notes: list[str]) -> Floats:
+    """Return what brings each of the chosen columns to metres and radians, as the header says."""
+    factors = np.ones(chosen.shape)
+    for axis, robot in np.ndindex(*chosen.shape):
+        known = LENGTHS if axis < 2 else ANGLES
+        factors[axis, robot] = known.get(columns.units.get(int(chosen[axis, robot])) or "", 1.0)
+    units = {unit for unit in columns.units.values() if unit not in (None, "m", "rad")}
+    if units:
+        notes.append(f"units by the header: {', '.join(sorted(map(str, units)))}")
+    return factors
+
+
+def _long(table: Table, robot: int, t: Floats | None, states: Floats, notes: list[str]) -> Found:
+    """Turn one row a robot and sample into one row a sample."""
+    if t is None:
+        raise LayoutError(f"{table.path}: a row for each robot needs a time column")
+    words = table.words.get(robot)
+    labels = table.values[:, robot] if words is None else np.array(words)
+    robots, column = np.unique(labels, return_inverse=True)
+    if not np.isfinite(t).all() or (words is None and not np.isfinite(robots).all()):
+        raise LogError(f"{table.path}: a time or robot number is not a finite number")
+    if words is not None:
+        notes.append(f"robots by name, in this order: {', '.join(robots[:20])}")
+    times, sample, shared = np.unique(t, return_inverse=True, return_counts=True)
+    if len(robots) > 1 and np.mean(shared[sample] > 1) < _SHARED:
+        tracks = [
+            Track(str(name), t[column == n], states[column == n]) for n, name in enumerate(robots)
+        ]
+        return joined(tracks, str(table.path), notes)
+    if len(np.unique(sample * len(robots) + column)) != len(t):
+        raise LogError(f"{table.path}: a robot has two rows at one time")
+    poses = np.full((len(times), 3, len(robots)), np.nan)
+    poses[sample, :, column] = states
+    notes.append(f"one row a robot and sample: {len(robots)} robots, sorted by time")
+    if missing := len(times) * len(robots) - len(t):
+        notes.append(f"{missing} row(s) of single robots are missing: unknown at that time")
+    return Found(times, poses, ())
