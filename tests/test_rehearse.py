@@ -159,11 +159,12 @@ def test_bad_requests_are_refused(tmp_path):
 
 def test_without_the_testbeds_python_the_nearest_is_taken_and_said(monkeypatch):
     elsewhere = {(3, 9): Path("nine"), (3, 12): Path("twelve"), (3, 13): Path("thirteen")}
+    monkeypatch.setattr(environment, "find_python", elsewhere.get)
     monkeypatch.setattr(environment, "installed_pythons", lambda: elsewhere)
     python, note = environment._nearest_python()
     assert python == Path("twelve")
     assert "3.10, which is not installed" in note
-    monkeypatch.setattr(environment, "installed_pythons", lambda: {(3, 10): Path("ten")})
+    monkeypatch.setattr(environment, "find_python", {(3, 10): Path("ten")}.get)
     assert environment._nearest_python() == (Path("ten"), "")
 
 
