@@ -7,7 +7,7 @@ from rolling_robots import POSES, STEP, T, rolling
 from scipy.io import savemat
 
 from posflock_robotarium.flocking.errors import LogError
-from posflock_robotarium.logs.readers import Clock
+from posflock_robotarium.logs.readers import LogClock
 from posflock_robotarium.report import LayoutError, ReadOptions, read
 
 MATLAB = POSES.transpose(1, 2, 0)
@@ -123,5 +123,5 @@ def test_poses_and_commands_by_shape_and_a_useless_time(tmp_path):
 
 def test_times_are_passed_over_as_asked(tmp_path):
     np.savez(tmp_path / "run.npz", t=2 * T, poses=POSES)
-    run = read(tmp_path / "run.npz", ReadOptions(dt=STEP, clock=Clock.NONE))
+    run = read(tmp_path / "run.npz", ReadOptions(dt=STEP, clock=LogClock.NONE))
     np.testing.assert_allclose(run.t, T)

@@ -245,12 +245,12 @@ def _reading(
     max_robots: int,
 ) -> "ReadOptions":
     from posflock_robotarium.flocking.errors import ParameterError
-    from posflock_robotarium.logs.readers import Bounds, Clock, Lengths
+    from posflock_robotarium.logs.readers import Bounds, Lengths, LogClock
     from posflock_robotarium.report import ReadOptions
 
     if units is not None and units not in (known := [length.value for length in Lengths]):
         raise ParameterError(f"--units {units!r} is none of {', '.join(known)}")
-    if time not in (clocks := [clock.value for clock in Clock]):
+    if time not in (clocks := [clock.value for clock in LogClock]):
         raise ParameterError(f"--time {time!r} is none of {', '.join(clocks)}")
     return ReadOptions(
         layout,
@@ -259,7 +259,7 @@ def _reading(
         array,
         drop_damaged,
         Bounds(max_size, max_robots),
-        Clock(time),
+        LogClock(time),
         None if units is None else Lengths(units),
         degrees,
     )

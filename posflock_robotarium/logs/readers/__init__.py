@@ -12,7 +12,7 @@ from posflock_robotarium.logs.readers.forms import (
     register,
     registered,
 )
-from posflock_robotarium.logs.readers.found import Clock, Found, Lengths, ReadOptions
+from posflock_robotarium.logs.readers.found import Found, Lengths, LogClock, ReadOptions
 from posflock_robotarium.logs.readers.matlab import MATLAB
 from posflock_robotarium.logs.readers.mcap_logs import MCAP
 from posflock_robotarium.logs.readers.motion_capture import MOTIVE, VICON
@@ -30,11 +30,11 @@ from posflock_robotarium.logs.run import LayoutError, Run
 
 __all__ = [
     "Bounds",
-    "Clock",
     "Form",
     "Found",
     "LayoutError",
     "Lengths",
+    "LogClock",
     "ReadOptions",
     "Run",
     "Sign",

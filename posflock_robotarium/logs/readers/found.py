@@ -17,7 +17,7 @@ from posflock_robotarium.logs.readers.layouts import COLUMN_ORDERS
 Floats = NDArray[np.float64]
 
 
-class Clock(Enum):
+class LogClock(Enum):
     """Whether a file's own times are used."""
 
     FILE = "file"
@@ -51,7 +51,7 @@ class ReadOptions:
         Leave rows with values that are not finite out, and keep their place as a gap.
     bounds : Bounds
         How large the file may be.
-    clock : Clock
+    clock : LogClock
         Whether the file's own times are used.
     units : Lengths, optional
         What lengths are in, where the file does not say it.
@@ -70,7 +70,7 @@ class ReadOptions:
     array: str | None = None
     drop_damaged: bool = False
     bounds: Bounds = BOUNDS
-    clock: Clock = Clock.FILE
+    clock: LogClock = LogClock.FILE
     units: Lengths | None = None
     degrees: bool = False
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.flocking.errors import LogError
-from posflock_robotarium.logs.readers.found import Clock, Found, ReadOptions
+from posflock_robotarium.logs.readers.found import Found, LogClock, ReadOptions
 from posflock_robotarium.logs.run import LayoutError
 
 Floats = NDArray[np.float64]
@@ -78,7 +78,7 @@ def _without_useless_times(found: Found, where: str, options: ReadOptions) -> Fo
     """Pass over times that are none, where the step is known."""
     if found.t is None:
         return found
-    if options.clock is Clock.NONE:
+    if options.clock is LogClock.NONE:
         return replace(found.noted("the file's times are not used, as asked"), t=None)
     with np.errstate(invalid="ignore", over="ignore"):
         steps = np.diff(found.t)
