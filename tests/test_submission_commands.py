@@ -139,7 +139,7 @@ def test_a_log_becomes_a_profile_and_is_overlaid_with_it(tmp_path):
     ("name", "content", "answer"),
     [
         ("none.npz", None, "none.npz: no such file"),
-        ("poses", "folder", "poses: a folder; name the log file in it"),
+        ("poses", "folder", "poses: a folder with no log in it"),
         ("noise.npy", b"\x00\x07noise" * 50, "not a .npy file, or its beginning is damaged"),
         ("empty.npy", b"", "empty file"),
         ("poses.csv", b"t,x1,y1,theta1\n0,0,0,0\n0.033,0,0,0\n", "no commands in it"),

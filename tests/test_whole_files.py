@@ -174,6 +174,7 @@ OTHERWISE = {
     "posflock_robotarium/flocking/row_file.py": "each row outlives a kill; goes to the testbed",
     "posflock_robotarium/flocking/pose_log.py": "its own draft and move; goes to the testbed",
     "posflock_robotarium/sweep/store.py": "segments are appended to",
+    "posflock_robotarium/logs/readers/bundles.py": "a folder that ends with its process",
     "posflock_robotarium/submission/private_simulator.py": "a room that ends with its process",
     "posflock_robotarium/submission/rehearse.py": "a room that ends with its process",
     "posflock_robotarium/verify/trial.py": "a room that ends with its process",

@@ -185,9 +185,9 @@ def _keep_process(command: _Command, answer: int, order: ProcessOrder) -> None:
     for standard in range(3):  # whoever reads what the process says is to see its end
         os.dup2(os.open(os.devnull, os.O_RDWR), standard)
     end = _watched(command, child, order)
-    with contextlib.suppress(ProcessLookupError, PermissionError):
-        os.killpg(child, signal.SIGKILL)
     left = end_descendants()
+    with contextlib.suppress(ProcessLookupError, PermissionError):  # where /proc tells of nobody
+        os.killpg(child, signal.SIGKILL)
     if end is not None:
         told = asdict(end) | {"left": left and not end.timed_out and not end.surplus}
         with contextlib.suppress(OSError):

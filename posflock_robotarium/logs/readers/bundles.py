@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-import tempfile
 import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,6 +10,7 @@ from pathlib import Path, PurePosixPath
 
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.logs.readers.bounds import Bounds
+from rps_compat.containment.kept import KeptFolder
 
 _LOGS = (".npy", ".npz", ".mat", ".csv", ".txt", ".tsv", ".dat", ".mcap", ".db3")
 MOST_FILES = 200
@@ -47,8 +47,8 @@ def files_of(path: Path, bounds: Bounds) -> Iterator[list[Path]]:
     if path.is_dir():
         yield _logs(list(path.iterdir()), path)
         return
-    with tempfile.TemporaryDirectory(prefix="posflock-") as place:
-        yield _logs(_unpacked(path, Path(place), bounds), path)
+    with KeptFolder("unpack") as place:
+        yield _logs(_unpacked(path, place, bounds), path)
 
 
 def _logs(files: list[Path], path: Path) -> list[Path]:
