@@ -8,6 +8,7 @@ from pathlib import Path
 from barrier_certificates import file_lock
 from rps_compat.bounded_files import read_bounded
 from rps_compat.errors import ScriptError
+from rps_compat.whole_files import remove_listed
 
 #: How a run went, as text and as data: files of its folder.
 REPORT_TEXT, REPORT_DATA = "report.txt", "report.json"
@@ -87,13 +88,9 @@ def forget_run(folder: Path) -> None:
     """
     try:
         listed = json.loads(read_bounded(folder / REPORT_DATA))["files"]
-        files = [folder / name for name in listed]
+        remove_listed(folder, [str(name) for name in listed])
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        files = []
-    for file in files:
-        with contextlib.suppress(OSError, ValueError):
-            if file.is_file() and file.parent.resolve() == folder.resolve():
-                file.unlink()
+        pass
     forget_report(folder)
 
 

@@ -16,7 +16,7 @@ import os
 import re
 import shutil
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -117,6 +117,23 @@ def written_together(folder: Path) -> Iterator[Path]:
                 os.replace(path, os.path.realpath(place))
         finally:
             shutil.rmtree(draft, ignore_errors=True)
+
+
+def remove_listed(folder: Path, names: Iterable[str]) -> None:
+    """Remove files of an earlier call from a folder, as a list that it left names them.
+
+    Parameters
+    ----------
+    folder : Path
+        Where that call wrote. What lies elsewhere stays, whatever the list says.
+    names : iterable of str
+        Paths from there.
+    """
+    for name in names:
+        with contextlib.suppress(OSError, ValueError):
+            file = folder / name
+            if file.is_file() and file.parent.resolve().is_relative_to(folder.resolve()):
+                file.unlink()
 
 
 @contextmanager

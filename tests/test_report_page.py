@@ -232,6 +232,31 @@ def test_the_whole_report_lies_in_its_folder(tmp_path, analysis):
     assert {path for path in tmp_path.rglob("*") if path.is_file()} == set(written)
 
 
+def test_a_second_report_leaves_nothing_of_the_first_and_all_that_is_the_users(tmp_path, analysis):
+    named = dataclasses.replace(analysis.recording, name="other")
+    other = dataclasses.replace(analysis, recording=named)
+    write_report([analysis, other], tmp_path, latex=True)
+    for name in ("notes.txt", "mine.analysis.npz", "figures/mine.png"):
+        (tmp_path / name).write_text("mine")
+    write_report([analysis], tmp_path, figures=False)
+    assert {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*.*")} == {
+        "report.html", "metrics.csv", "summary.json", "parallel_0.1.analysis.npz",
+        "notes.txt", "mine.analysis.npz", "figures/mine.png",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("listed", [["notes.txt"], ["../kept.analysis.npz"], [1], "x", None])
+def test_no_list_makes_a_report_remove_what_is_not_a_reports(tmp_path, analysis, listed):
+    (tmp_path / "kept.analysis.npz").write_text("mine")
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "notes.txt").write_text("mine")
+    (out / "summary.json").write_text(json.dumps({"files": listed}))
+    write_report([analysis], out, figures=False)
+    assert (out / "notes.txt").exists()
+    assert (tmp_path / "kept.analysis.npz").exists()
+
+
 def test_a_folder_that_cannot_be_written(tmp_path, analysis):
     (tmp_path / "file").write_text("")
     with pytest.raises(OutputError, match="file"):

@@ -16,7 +16,12 @@ from posflock_robotarium.alignment.catalogue import scalars
 from posflock_robotarium.alignment.comparison import Comparison, compare
 from posflock_robotarium.report.page import write_page
 from posflock_robotarium.report.words import number_text
-from rps_compat.whole_files import atomic_write, write_whole, written_together
+from rps_compat.bounded_files import read_bounded
+from rps_compat.whole_files import atomic_write, remove_listed, write_whole, written_together
+
+_SUMMARY = "summary.json"
+#: Files of which one report may have more or fewer than another; nothing else is ever removed.
+_MANY = re.compile(r"[^/]+\.analysis\.npz|table\.tex|figures/[^/]+\.(png|pdf)")
 
 
 def write_report(
@@ -53,11 +58,11 @@ def write_report(
         When the folder cannot be written; an earlier report in it then stays as it was.
     """
     comparison = compare(analyses, labels) if len(analyses) > 1 else None
+    earlier = _listed_in(folder)
     with written_together(folder) as draft:
         written = [
             write_page(analyses, draft / "report.html", comparison),
             write_curves(analyses, draft / "metrics.csv"),
-            write_summary(analyses, comparison, draft / "summary.json"),
         ]
         for analysis, name in zip(analyses, _file_names(analyses), strict=True):
             written.append(analysis.save(draft / f"{name}.analysis.npz"))
@@ -67,7 +72,19 @@ def write_report(
             from posflock_robotarium.report.curve_figures import draw
 
             written += draw(analyses, draft / "figures")
-    return [folder / path.relative_to(draft) for path in written]
+        names = [path.relative_to(draft).as_posix() for path in written]
+        write_summary(analyses, comparison, draft / _SUMMARY, [*names, _SUMMARY])
+    remove_listed(folder, earlier - set(names))
+    return [folder / name for name in [*names, _SUMMARY]]
+
+
+def _listed_in(folder: Path) -> set[str]:
+    """Return which files an earlier report left in a folder, as its summary lists them."""
+    try:
+        listed = json.loads(read_bounded(folder / _SUMMARY))["files"]
+        return {name for name in listed if _MANY.fullmatch(name)}
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return set()
 
 
 def write_curves(analyses: Sequence[Analysis], path: Path) -> Path:
@@ -101,7 +118,12 @@ def write_curves(analyses: Sequence[Analysis], path: Path) -> Path:
     return path
 
 
-def write_summary(analyses: Sequence[Analysis], comparison: Comparison | None, path: Path) -> Path:
+def write_summary(
+    analyses: Sequence[Analysis],
+    comparison: Comparison | None,
+    path: Path,
+    files: Sequence[str] = (),
+) -> Path:
     """Write all numbers with units, definitions, estimators and parameters as JSON.
 
     Parameters
@@ -112,6 +134,9 @@ def write_summary(analyses: Sequence[Analysis], comparison: Comparison | None, p
         Of several runs; None for one.
     path : Path
         Where the JSON file is written.
+    files : sequence of str
+        All files of the report, by their paths in its folder: the next one removes what it does
+        not write again.
 
     Raises
     ------
@@ -126,6 +151,8 @@ def write_summary(analyses: Sequence[Analysis], comparison: Comparison | None, p
             "runs": [analysis.summary() for analysis in analyses],
             "comparison": comparison.summary(),
         }
+    if files:
+        summary = {**summary, "files": list(files)}
     text = json.dumps(summary, indent=1, ensure_ascii=False, allow_nan=False)
     return write_whole(path, text + "\n")
 
