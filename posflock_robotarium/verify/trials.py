@@ -163,7 +163,9 @@ class ForkServer:
     def _start(self) -> KeptProcess:
         fonts = self.folder / "matplotlib"
         lay_font_list(Path(sys.executable), fonts)
-        environment = os.environ | {
+        # What measures the tests would write its data where no script may.
+        inherited = {k: v for k, v in os.environ.items() if not k.startswith("COVERAGE_")}
+        environment = inherited | {
             "MPLBACKEND": "module://rps_compat.headless_backend",
             "MPLCONFIGDIR": str(fonts),
             "OPENBLAS_NUM_THREADS": "1",
