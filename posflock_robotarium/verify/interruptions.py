@@ -12,6 +12,15 @@ from rps_compat.running.outcome import Ended
 _PICTURES = (".png", ".jpg", ".jpeg", ".gif", ".svg", ".pdf", ".tiff", ".bmp")
 
 
+_NOTHING_SAVED = Finding(
+    Code.NOTHING_SAVED,
+    Verdict.NOTE,
+    "writes no file: what comes back is the video and what it prints",
+    "log poses and commands during the loop (numpy.lib.format.open_memmap, or posflock's PoseLog):"
+    " a report, and a realism profile fitted to these robots, need them",
+)
+
+
 def judge_data(
     ideal: Ran, interrupted: Ran | None, killed: Ran | None, known: Sequence[Finding]
 ) -> Iterator[Finding]:
@@ -28,15 +37,9 @@ def judge_data(
     known : sequence of Finding
         What the source has told already.
     """
-    written = [name for name, content in ideal.data.items() if content.readable]
     if not ideal.data and ideal.outcome.ended is Ended.FINISHED:
-        yield Finding(
-            Code.NOTHING_SAVED,
-            Verdict.NOTE,
-            "writes no file: what comes back is the video and what it prints",
-            "log poses and commands during the loop (numpy.lib.format.open_memmap, or posflock's"
-            " PoseLog): a report, and a realism profile fitted to these robots, need them",
-        )
+        yield _NOTHING_SAVED
+    written = [name for name, content in ideal.data.items() if content.readable]
     if not written or interrupted is None or not interrupted.outcome.steps:
         return
     if interrupted.outcome.ended is Ended.HUNG:
@@ -47,6 +50,17 @@ def judge_data(
             "let the interrupt end the loop",
             time=interrupted.outcome.time,
         )
+    yield from _judge_what_is_left(ideal, interrupted, killed, written, known)
+
+
+def _judge_what_is_left(
+    ideal: Ran,
+    interrupted: Ran,
+    killed: Ran | None,
+    written: Sequence[str],
+    known: Sequence[Finding],
+) -> Iterator[Finding]:
+    """Compare the files of runs that were ended with those of the whole one."""
     kept = _kept(ideal, interrupted)
     lost = [name for name in written if name not in kept]
     t = interrupted.outcome.time or 0.0

@@ -69,11 +69,7 @@ def poses_among(
         commands = _command(arrays[command], poses.shape)
         if commands is not None:
             notes.append(f"commands were recorded too: {command}")
-    said: dict[str, Any] = {}
-    promised: int | None = None
-    if described is not None:
-        said = parameters.from_array(described, f"{where}: {parameters.NAME}")
-        promised = parameters.rows_promised(said)
+    said, promised = _said(described, where)
     if said:
         notes.append("parameters of the run came with the file")
     return Found(
@@ -88,6 +84,14 @@ def poses_among(
         parameters=said,
         promised=promised,
     )
+
+
+def _said(described: NDArray[Any] | None, where: str) -> tuple[dict[str, Any], int | None]:
+    """Return what the run says about itself, and how many rows it promises."""
+    if described is None:
+        return {}, None
+    said = parameters.from_array(described, f"{where}: {parameters.NAME}")
+    return said, parameters.rows_promised(said)
 
 
 def _short_names(arrays: Mapping[str, NDArray[Any]]) -> dict[str, str]:
