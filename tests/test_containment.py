@@ -69,7 +69,9 @@ def test_a_process_in_namespaces_reaches_its_folder_and_nothing_else(tmp_path, h
     seen = json.loads(done.stdout)
     assert not outside.exists()
     assert (tmp_path / "inside.txt").exists()
-    assert (seen["outside"], seen["inside"], seen["null"]) == ("OSError", "done", "done")
+    # Beside the tests there is nothing to be seen at all, where they lie in a temporary folder.
+    assert seen["outside"] in ("OSError", "FileNotFoundError")
+    assert (seen["inside"], seen["null"]) == ("done", "done")
     assert seen["call"] in ("ConnectionRefusedError", "OSError")
     assert seen["kill"] == "ProcessLookupError"
     assert seen["processes"] <= 2
