@@ -75,7 +75,10 @@ def test_a_process_in_namespaces_reaches_its_folder_and_nothing_else(tmp_path, h
     assert seen["call"] in ("ConnectionRefusedError", "OSError")
     assert seen["kill"] == "ProcessLookupError"
     assert seen["processes"] <= 2
-    assert len(seen["tmp"]) <= 1
+    # Of the temporary folder no more than the way to what it was given.
+    given = [Path(folder) for folder in (tmp_path, *python_folders(sys.executable))]
+    ways = {folder.parts[2] for folder in given if folder.is_relative_to("/tmp")}
+    assert set(seen["tmp"]) <= ways
     assert seen["capabilities"] == 0
     assert seen["folder"] == str(tmp_path)
     assert (seen["number"] == 1) == as_init
