@@ -6,7 +6,7 @@ import pytest
 from rolling_robots import POSES, STEP, T, flat, rolling
 from scipy.io import loadmat, savemat
 
-from posflock_robotarium.logs.readers.layouts import sideways_share, to_poses
+from posflock_robotarium.logs.readers.layouts import sideways_share, to_states
 from posflock_robotarium.logs.readers.matlab5 import read_matlab5
 from posflock_robotarium.logs.readers.matlab_trees import by_dotted_name
 from posflock_robotarium.report import LayoutError, ReadOptions, read
@@ -34,7 +34,7 @@ def test_every_layout_of_an_array_is_recognised_and_said(tmp_path, array, layout
 
 def test_a_shape_that_fits_twice_is_decided_by_rolling_wheels_and_the_note_says_so():
     square = np.concatenate([POSES, POSES], axis=2)[:24].reshape(24, 24)
-    poses, how = to_poses(square, "square")
+    poses, _, how = to_states(square, "square")
     assert poses.shape == (24, 3, 8)
     assert "sideways" in how
 
@@ -42,15 +42,15 @@ def test_a_shape_that_fits_twice_is_decided_by_rolling_wheels_and_the_note_says_
 def test_a_shape_that_nothing_decides_is_asked_for():
     still = np.zeros((12, 12)) + np.arange(12)
     with pytest.raises(LayoutError, match=r"say which with --layout"):
-        to_poses(still, "still")
-    assert to_poses(still, "still", "T,3N", "robot")[0].shape == (12, 3, 4)
+        to_states(still, "still")
+    assert to_states(still, "still", "T,3N", "robot")[0].shape == (12, 3, 4)
 
 
 def test_more_robots_than_a_testbed_holds_need_the_layout_by_name():
     many = np.zeros((5, 3, 60))
     with pytest.raises(LayoutError, match=r"name one with --layout"):
-        to_poses(many, "many")
-    assert to_poses(many, "many", "T,3,N")[0].shape == (5, 3, 60)
+        to_states(many, "many")
+    assert to_states(many, "many", "T,3,N")[0].shape == (5, 3, 60)
 
 
 def test_wheels_roll_and_shuffled_columns_slide():

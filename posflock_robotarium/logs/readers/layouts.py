@@ -182,36 +182,6 @@ def to_states(
     return states[:, :3], states[:, 3:], f"{label}; five numbers a robot: x, y, heading, v and ω"
 
 
-def to_poses(
-    array: Floats,
-    where: str,
-    layout: str | None = None,
-    columns: str | None = None,
-) -> tuple[Floats, str]:
-    """Return the poses of `to_states` alone, and the sentence for the report.
-
-    Parameters
-    ----------
-    array : two or three axes, (...) array
-        Poses in any of `LAYOUTS`, m and rad.
-    where : str
-        File (and variable) name for messages.
-    layout : str, optional
-        One of `NAMES`; when given, only this one is tried.
-    columns : {'state', 'robot'}, optional
-        Order of the columns of a flat table.
-
-    Returns
-    -------
-    poses : (T, 3, N) array
-        A view where possible.
-    label : str
-        The sentence for the report.
-    """
-    poses, _, label = to_states(array, where, layout, columns)
-    return poses, label
-
-
 def _fitting(
     shape: tuple[int, ...], layout: str | None, columns: str | None, samples: int | None
 ) -> list[Layout]:

@@ -41,7 +41,7 @@ def read_text(path: Path, options: ReadOptions) -> Found:
     Raises
     ------
     LogError, LayoutError
-        See `read_table` and `layouts.to_poses`.
+        See `read_table` and `layouts.to_states`.
     """
     table = read_table(path, options.bounds)
     notes = [f"text, {_SEPARATORS[table.delimiter]} separated, {table.values.shape[0]} rows"]
