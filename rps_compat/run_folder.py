@@ -1,14 +1,12 @@
 """The folder that a run writes into: one run at a time, so that no file is of two runs."""
 
 import contextlib
-import json
 import os
 from pathlib import Path
 
 from barrier_certificates import file_lock
-from rps_compat.bounded_files import read_bounded
 from rps_compat.errors import ScriptError
-from rps_compat.whole_files import remove_listed
+from rps_compat.whole_files import listed_in, remove_listed
 
 #: How a run went, as text and as data: files of its folder.
 REPORT_TEXT, REPORT_DATA = "report.txt", "report.json"
@@ -86,11 +84,7 @@ def forget_run(folder: Path) -> None:
     folder : Path
         Of both runs. What lies elsewhere stays, whatever the report says.
     """
-    try:
-        listed = json.loads(read_bounded(folder / REPORT_DATA))["files"]
-        remove_listed(folder, [str(name) for name in listed])
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        pass
+    remove_listed(folder, listed_in(folder / REPORT_DATA))
     forget_report(folder)
 
 

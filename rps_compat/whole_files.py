@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import contextlib
 import itertools
+import json
 import os
 import re
 import shutil
@@ -21,6 +22,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from barrier_certificates.certificate_errors import OutputError
+from rps_compat.bounded_files import read_bounded
 
 _DRAFT = re.compile(r"\.posflock\.(\d+)-\d+\.part")
 #: Numbers the drafts of this process.
@@ -117,6 +119,21 @@ def written_together(folder: Path) -> Iterator[Path]:
                 os.replace(path, os.path.realpath(place))
         finally:
             shutil.rmtree(draft, ignore_errors=True)
+
+
+def listed_in(report: Path) -> list[str]:
+    """Return the files that an earlier call wrote, as its own report in JSON lists them.
+
+    Parameters
+    ----------
+    report : Path
+        It need not be there; what is no such report lists nothing.
+    """
+    try:
+        listed = json.loads(read_bounded(report))["files"]
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return []
+    return [str(name) for name in listed] if isinstance(listed, list) else []
 
 
 def remove_listed(folder: Path, names: Iterable[str]) -> None:

@@ -16,8 +16,13 @@ from posflock_robotarium.alignment.catalogue import scalars
 from posflock_robotarium.alignment.comparison import Comparison, compare
 from posflock_robotarium.report.page import write_page
 from posflock_robotarium.report.words import number_text
-from rps_compat.bounded_files import read_bounded
-from rps_compat.whole_files import atomic_write, remove_listed, write_whole, written_together
+from rps_compat.whole_files import (
+    atomic_write,
+    listed_in,
+    remove_listed,
+    write_whole,
+    written_together,
+)
 
 _SUMMARY = "summary.json"
 #: Files of which one report may have more or fewer than another; nothing else is ever removed.
@@ -58,7 +63,7 @@ def write_report(
         When the folder cannot be written; an earlier report in it then stays as it was.
     """
     comparison = compare(analyses, labels) if len(analyses) > 1 else None
-    earlier = _listed_in(folder)
+    earlier = set(filter(_MANY.fullmatch, listed_in(folder / _SUMMARY)))
     with written_together(folder) as draft:
         written = [
             write_page(analyses, draft / "report.html", comparison),
@@ -76,15 +81,6 @@ def write_report(
         write_summary(analyses, comparison, draft / _SUMMARY, [*names, _SUMMARY])
     remove_listed(folder, earlier - set(names))
     return [folder / name for name in [*names, _SUMMARY]]
-
-
-def _listed_in(folder: Path) -> set[str]:
-    """Return which files an earlier report left in a folder, as its summary lists them."""
-    try:
-        listed = json.loads(read_bounded(folder / _SUMMARY))["files"]
-        return {name for name in listed if _MANY.fullmatch(name)}
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        return set()
 
 
 def write_curves(analyses: Sequence[Analysis], path: Path) -> Path:
