@@ -89,9 +89,9 @@ class Family:
         self._gather()
 
     def _gather(self) -> None:
-        self.children = gather(self._room)
-        if self._cut_short:
+        if self._cut_short:  # before: some would not end, or have only begun since
             kill_users_of(self._plan.room)
+        self.children = gather(self._room)
         self._kept.close()
 
     @property

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from rps_compat.children.leftovers import GRACE
 from rps_compat.children.records import Record, RobotariumInstance
+from rps_compat.containment.processes import look_at
 from rps_compat.logged_end import LoggedEnd
 from rps_compat.recording import files_of
 from rps_compat.report import RunReport, report_of
@@ -128,4 +129,5 @@ def _is_alive(process: Path) -> bool:
         os.kill(number, 0)
     except (OSError, ValueError):
         return False
-    return True
+    seen = look_at(number)  # where nobody tells, who can be sent a signal runs
+    return seen is None or not seen.ended
