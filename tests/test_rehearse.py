@@ -176,6 +176,32 @@ def test_an_environment_that_cannot_be_built_says_why_and_leaves_nothing(tmp_pat
     assert not list(tmp_path.rglob("ready"))
 
 
+def test_an_environment_that_is_ready_needs_no_search_and_one_that_is_broken_is_built_anew(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    built = []
+
+    def build(base, folder, python, pins):
+        built.append(base)
+        python.parent.mkdir(parents=True, exist_ok=True)
+        python.unlink(missing_ok=True)
+        python.write_text(f'#!/bin/sh\nexec "{sys.executable}" "$@"\n')
+        python.chmod(0o755)
+        (folder / "ready").write_text("")
+
+    monkeypatch.setattr(environment, "_build", build)
+    monkeypatch.setattr(environment, "_BASE", ("numpy",))
+    monkeypatch.setattr(environment, "_nearest_python", lambda: (Path("ten"), ""))
+    first = environment.build_environment(["numpy"])
+    monkeypatch.setattr(environment, "_nearest_python", lambda: pytest.fail("searched"))
+    assert environment.build_environment(["numpy"]) == first
+    first.python.write_text("#!/bin/sh\nexit 1\n")
+    monkeypatch.setattr(environment, "_nearest_python", lambda: (Path("ten"), ""))
+    assert environment.build_environment(["numpy"]) == first
+    assert built == [Path("ten"), Path("ten")]
+
+
 def test_the_simulator_goes_by_a_private_name(tmp_path):
     lay_simulator(tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == set(PRIVATE.values())

@@ -58,29 +58,62 @@ def build_environment(
         Import names; those of the standard library do not matter.
     tell : callable, optional
         Is told when one is being built, which takes a minute.
+
+    Raises
+    ------
+    RehearsalError
+        It cannot be built, or does not start.
     """
     wanted = {IMPORT_NAMES[name] for name in libraries if name in IMPORT_NAMES}
     pinned = {n: version for n, version in LIBRARIES.items() if n in wanted or n in _BASE}
     pins = [f"{name}=={version}" if version else name for name, version in pinned.items()]
-    base, note = _nearest_python()
-    key = hashlib.sha256("\n".join([str(base), *pins]).encode()).hexdigest()[:16]
-    folder = cache_folder() / f"testbed-{key}"
-    python = folder / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
-    if not (folder / "ready").exists():
+    folder, note = _folder(PYTHON, pins), ""
+    asked = _versions_in(folder, pinned)  # to look for Pythons costs more than to ask this one
+    if asked is None:
+        base, note = _nearest_python()
+        if note:
+            folder = _folder(base, pins)
+            asked = _versions_in(folder, pinned)
+    if asked is None:
         if tell is not None:
             tell(f"building the rehearsal environment, once: {', '.join(pins)}")
-        _build(base, folder, python, pins)
+        _build(base, folder, _python_of(folder), pins)
+        asked = _versions_in(folder, pinned)
+    if asked is None:
+        raise RehearsalError(
+            f"the rehearsal environment in {folder} was built, but its Python does not start or"
+            " lacks a library; remove the folder and try again"
+        )
+    version, installed = asked
+    return Environment(_python_of(folder), version, installed, note)
+
+
+def _folder(base: object, pins: list[str]) -> Path:
+    """Where the environment of these libraries on that Python is kept."""
+    key = hashlib.sha256("\n".join([str(base), *pins]).encode()).hexdigest()[:16]
+    return cache_folder() / f"testbed-{key}"
+
+
+def _python_of(folder: Path) -> Path:
+    return folder / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+
+
+def _versions_in(folder: Path, names: Iterable[str]) -> tuple[str, dict[str, str]] | None:
+    """Ask an environment for the versions of its Python and libraries; None: not whole."""
+    if not (folder / "ready").exists():
+        return None
     program = (
         "import json, platform; from importlib.metadata import version;"
         f"print(json.dumps([platform.python_version(), {{n: version(n) for n in"
-        f" {list(pinned)!r}}}]))"
+        f" {list(names)!r}}}]))"
     )
-    version, installed = json.loads(
-        subprocess.run(
-            [str(python), "-I", "-c", program], capture_output=True, text=True, check=True
-        ).stdout
-    )
-    return Environment(python, version, installed, note)
+    command = [str(_python_of(folder)), "-I", "-c", program]
+    try:
+        said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    except (OSError, subprocess.CalledProcessError):  # the Python it was made of is gone
+        return None
+    version, installed = json.loads(said)
+    return version, installed
 
 
 def _nearest_python() -> tuple[Path, str]:

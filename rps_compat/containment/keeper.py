@@ -30,6 +30,9 @@ from rps_compat.containment.usage import Allowance, FolderWatch
 DONE = b"."
 #: Seconds between two looks, where nothing is waited for or the kernel does not tell.
 _LOOK = 0.05
+#: Least share of the time in which a keeper does nothing: to look costs more, the more processes a
+#: machine has.
+_IDLE = 0.98
 _IGNORED = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGTSTP)
 
 
@@ -245,6 +248,8 @@ class _Watch:
         """Say in words what there is too much of; empty where nothing."""
         if self._allowance is None or self._folder is None:
             return ""
+        begun = time.thread_time()
         running = [process for process in descendants(os.getpid()) if not process.ended]
         found = self._allowance.surplus(running) or self._folder.surplus()
+        self.pause = max(_LOOK, (time.thread_time() - begun) / (1.0 - _IDLE))
         return "" if found is None else found.words
