@@ -78,7 +78,8 @@ def main() -> None:
         "api_generation": 2 if hasattr(robotarium.Robotarium, "debug") else 1,
     }
     # The log first: a folder that cannot be written is refused before a robot has moved.
-    with PoseLog(options.out / "nine_robots", ROBOTS, steps, description) as log:
+    path = options.out / "nine_robots"
+    with PoseLog(path, ROBOTS, steps, description, real_time=not STAND_IN) as log:
         r = robotarium.Robotarium(
             number_of_robots=ROBOTS,
             show_figure=options.show,

@@ -33,7 +33,8 @@ def flat(order):
 
 def log_of(path, rows, **metadata):
     """Write a pose log without closing it: a process that was killed."""
-    log = PoseLog(path, robots=4, steps=len(T), metadata={"neighbour_radius": 0.75, **metadata})
+    told = {"neighbour_radius": 0.75, **metadata}
+    log = PoseLog(path, robots=4, steps=len(T), metadata=told, real_time=False)
     for k in range(rows):
         log.append(T[k], POSES[k], np.zeros((2, 4)), status="optimal", intervention=0.01)
     return log

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from posflock_robotarium.calibration.increments import NO_COMMANDS
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.logs.readers import LayoutError, ReadOptions, read
+from posflock_robotarium.logs.real_time import over_real_time
 from posflock_robotarium.logs.run import Run
 from rps_compat.arena import Arena
 from rps_compat.distributions import DistributionKind
@@ -31,6 +32,11 @@ def read_commanded(path: Path | str, options: ReadOptions | None = None) -> Run:
     options : ReadOptions, optional
         What the user says about the file.
 
+    Returns
+    -------
+    Run
+        Over its real time, where it holds that: robots drove in that one.
+
     Raises
     ------
     LogError
@@ -46,7 +52,7 @@ def read_commanded(path: Path | str, options: ReadOptions | None = None) -> Run:
         ) from error
     if run.commands is None:
         raise LogError(f"{path}: {NO_COMMANDS}")
-    return run
+    return run if run.real_time is None else over_real_time(run)
 
 
 def resimulate(log: Run, profile: Profile, seed: int = 0) -> Run:
@@ -90,9 +96,8 @@ def resimulate(log: Run, profile: Profile, seed: int = 0) -> Run:
         "simulated": True,
     }
     # What a certificate said of other poses says nothing of these.
-    return replace(
-        log, poses=poses, intervention=None, clearance=None, status=None, parameters=known
-    )
+    unknown = replace(log, intervention=None, clearance=None, status=None, real_time=None)
+    return replace(unknown, poses=poses, parameters=known)
 
 
 def _driven(arena: Arena, t: Floats, commands: Floats) -> tuple[Floats, Floats]:

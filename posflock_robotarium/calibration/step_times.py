@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.flocking.errors import LogError, ParameterError
+from posflock_robotarium.logs.real_time import on_a_grid
 from posflock_robotarium.logs.run import GAP_FACTOR, Run
 from rps_compat.testbed import WATCHDOG
 
@@ -26,8 +27,6 @@ _LEAST_ROWS = 60
 MEASURED_MEANS = (0.0346, 0.0358)
 #: Bias of gains in % that is left when stalls are: 1.5 in 400 gains of fifty simulated testbeds.
 _REMAINING = 2.0
-#: Steps that are equal to this share of them were counted, not read from a clock.
-_EQUAL = 0.01
 #: Seconds after which robots have forgotten what they were told before.
 MEMORY = 1.0
 #: Median steps that some testbed may have, s.
@@ -162,8 +161,11 @@ def step_times_of(log: Run, given: float | Floats | None = None) -> StepTimes:
     rows = len(log.t)
     if rows < _LEAST_ROWS:
         raise LogError(f"the log has {rows} rows; a calibration needs {_LEAST_ROWS}")
-    steps = np.diff(log.t if given is None else retimed(log, given).t)
-    origin = _origin(log, steps) if given is None else TimesOrigin.GIVEN
+    if given is not None:
+        steps, origin = np.diff(retimed(log, given).t), TimesOrigin.GIVEN
+    else:
+        steps = np.diff(log.t if log.real_time is None else log.real_time)
+        origin = _origin(log, steps)
     median = float(np.median(steps))
     if not _PLAUSIBLE[0] <= median <= _PLAUSIBLE[1]:
         raise LogError(
@@ -171,7 +173,7 @@ def step_times_of(log: Run, given: float | Floats | None = None) -> StepTimes:
             " between rows with --dt"
         )
     stalls = steps > WATCHDOG
-    if _on_a_grid(steps):  # rows of an even clock are not late, they are missing
+    if on_a_grid(steps):  # rows of an even clock are not late, they are missing
         stalls |= steps > GAP_FACTOR * median
     t = np.concatenate([[0.0], np.cumsum(steps)])
     usable = np.ones(rows - 1, dtype=bool)
@@ -215,13 +217,7 @@ def _checked(given: Floats, steps: int) -> Floats:
 def _origin(log: Run, steps: Floats) -> TimesOrigin:
     if log.simulated:
         return TimesOrigin.SIMULATED
-    return TimesOrigin.NOMINAL if _on_a_grid(steps) else TimesOrigin.RECORDED
-
-
-def _on_a_grid(steps: Floats) -> bool:
-    """Whether every step is the median one or a multiple of it: counted, not measured."""
-    counts = steps / np.median(steps)
-    return bool(np.abs(counts - np.round(counts)).max() < _EQUAL)
+    return TimesOrigin.NOMINAL if on_a_grid(steps) else TimesOrigin.RECORDED
 
 
 def read_step_times(path: Path, rows: int) -> Floats:

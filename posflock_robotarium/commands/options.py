@@ -63,7 +63,9 @@ Degrees = Annotated[bool, typer.Option("--degrees", help="Angles are in degrees.
 FileClock = Annotated[
     str,
     typer.Option(
-        "--time", help="file, or none: count samples --dt apart instead of the file's own times."
+        "--time",
+        help="file; none: count samples --dt apart instead of the file's own times; real: the "
+        "real time that our pose log holds beside its steps.",
     ),
 ]
 Array = Annotated[

@@ -14,7 +14,8 @@ never needed.  This module needs numpy alone, because it goes to the testbed.
 ======================  ============  ====================================================
 field of a row          type          meaning
 ======================  ============  ====================================================
-``t``                   float64       seconds since the start, when the poses were read
+``t``                   float64       seconds since the start, when the poses were read; most
+                                      scripts count their steps
 ``pose``                (3, N)        x, y in metres and θ in radians, as read
 ``command``             (2, N)        v in m/s and ω in rad/s, as sent after reading
 ``status``              string        what the certificate said: trivial, optimal, relaxed or
@@ -22,6 +23,8 @@ field of a row          type          meaning
 ``intervention``        float64       how far it changed a velocity at most, m/s; NaN unknown
 ``clearance``           float64       how far the team is from being unsafe, m: the least distance
                                       beyond what the certificate keeps; NaN unknown
+``real_time``           float64       seconds since the log was opened, when the row was written,
+                                      on a clock that nobody sets; NaN unknown, as in simulation
 ======================  ============  ====================================================
 """
 
@@ -31,7 +34,8 @@ import json
 import math
 import os
 import platform
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib import metadata as installed
 from pathlib import Path
@@ -44,7 +48,7 @@ from numpy.typing import ArrayLike, NDArray
 from posflock_robotarium.flocking.errors import OutputError, ParameterError
 from posflock_robotarium.flocking.row_file import RowFile
 
-FORMAT = "posflock pose log 2"
+FORMAT = "posflock pose log 3"
 
 #: m/s by which a certificate must change a velocity to count as an intervention.
 INTERVENED = 1e-3
@@ -68,6 +72,7 @@ def row_type(robots: int) -> np.dtype[np.void]:
             ("status", _STATUS),
             ("intervention", "f8"),
             ("clearance", "f8"),
+            ("real_time", "f8"),
         ]
     )
 
@@ -85,6 +90,9 @@ class PoseLog:
         Rows to make room for.  More may be appended: the file then grows.
     metadata : dict, optional
         Whatever JSON can hold: parameters, seed, time step, API generation.
+    real_time : bool
+        Whether rows get the real time at which they are written, and the description the one at
+        which the log was opened. Not in simulation, where it would be this computer's.
 
     Raises
     ------
@@ -100,8 +108,9 @@ class PoseLog:
     >>> path = pathlib.Path(tempfile.mkdtemp()) / "run"
     >>> with PoseLog(path, robots=2, steps=100) as log:
     ...     log.append(0.0, pose=np.zeros((3, 2)), command=np.zeros((2, 2)))
-    >>> np.load(path.with_suffix(".npy"))["t"]
-    array([0.])
+    >>> rows = np.load(path.with_suffix(".npy"))
+    >>> rows["t"], bool(rows["real_time"] >= 0)
+    (array([0.]), True)
     """
 
     def __init__(
@@ -110,6 +119,8 @@ class PoseLog:
         robots: int,
         steps: int,
         metadata: dict[str, Any] | None = None,
+        *,
+        real_time: bool = True,
     ) -> None:
         for name, value in (("robots", robots), ("steps", steps)):
             if not isinstance(value, (int, np.integer)) or value < 1:
@@ -119,17 +130,20 @@ class PoseLog:
         self._metadata = {
             "format": FORMAT,
             "robots": int(robots),
-            "units": {"t": "s", "pose": ["m", "m", "rad"], "command": ["m/s", "rad/s"]}
-            | {"intervention": "m/s", "clearance": "m"},
+            "units": {"t": "s", "real_time": "s", "pose": ["m", "m", "rad"]}
+            | {"command": ["m/s", "rad/s"], "intervention": "m/s", "clearance": "m"},
             "versions": versions(),
+            **({"opened_at": round(time.time(), 3)} if real_time else {}),
             **(metadata or {}),
         }
         self._row = _unreached(self._robots)
         self._bytes = self._row.view(np.uint8)
         # Views of its fields: to write through them costs a third of writing to the row.
-        self._times, self._statuses = self._row["t"], self._row["status"]
+        self._times, self._real_times = self._row["t"], self._row["real_time"]
+        self._statuses = self._row["status"]
         self._pose, self._command = self._row["pose"][0], self._row["command"][0]
         self._interventions, self._clearances = self._row["intervention"], self._row["clearance"]
+        self._clock = _stopwatch() if real_time else _no_clock
         with self._told("choose a folder that can be written to"):
             self._file = RowFile(self.path, self._row, int(steps))
             self._describe("running", "")
@@ -145,6 +159,7 @@ class PoseLog:
         pose: ArrayLike,
         command: ArrayLike,
         *,
+        real_time: float | None = None,
         status: str = "",
         intervention: float = math.nan,
         clearance: float = math.nan,
@@ -159,6 +174,8 @@ class PoseLog:
             As read, metres and radians.
         command : (2, N) array
             As sent, m/s and rad/s.
+        real_time : float, optional
+            Seconds on another clock; by default the log reads its own.
         status : str
             What the certificate said; "" unknown.
         intervention, clearance : float
@@ -173,6 +190,7 @@ class PoseLog:
             The log is closed, or was opened by the process that this one was forked from.
         """
         self._times[0], self._statuses[0] = t, status
+        self._real_times[0] = self._clock() if real_time is None else real_time
         self._pose[:], self._command[:] = pose, command
         self._interventions[0], self._clearances[0] = intervention, clearance
         try:
@@ -275,6 +293,18 @@ def _unreached(robots: int) -> NDArray[np.void]:
         if name != "status":
             row[name] = math.nan
     return row
+
+
+def _stopwatch() -> Callable[[], float]:
+    """Return a clock that tells the seconds since now, to microseconds."""
+    # Whole numbers first: the clock counts since the computer's start, and seconds of that would be
+    # rounded otherwise on each day.
+    began = time.monotonic_ns() - 500
+    return lambda: (time.monotonic_ns() - began) // 1000 / 1e6
+
+
+def _no_clock() -> float:
+    return math.nan
 
 
 def log_paths(path: str | os.PathLike[str]) -> tuple[Path, Path]:

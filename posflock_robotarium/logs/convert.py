@@ -78,12 +78,14 @@ def write_pose_log(recording: Run, path: Path) -> Path:
     commands = of(recording.commands, np.full((samples, 2, robots), np.nan))
     status = of(recording.status, np.full(samples, ""))
     intervention, clearance = of(recording.intervention), of(recording.clearance)
-    log = PoseLog(path, robots, samples, known)
+    real_time = of(recording.real_time)
+    log = PoseLog(path, robots, samples, known, real_time=False)
     for k, t in enumerate(recording.t.tolist()):
         log.append(
             t,
             recording.poses[k],
             commands[k],
+            real_time=float(real_time[k]),
             status=str(status[k]),
             intervention=float(intervention[k]),
             clearance=float(clearance[k]),
@@ -106,7 +108,7 @@ def _write_mat(recording: Run, path: Path) -> None:
         "poses": recording.poses.transpose(1, 2, 0),
         **_description(recording),
     }
-    for name in ("intervention", "clearance"):
+    for name in ("intervention", "clearance", "real_time"):
         if name in variables:
             variables[name] = variables[name][:, np.newaxis]
     if "status" in variables:  # char(status) in MATLAB; the reader takes numbers alone
@@ -146,7 +148,8 @@ def _write_npz(recording: Run, path: Path) -> None:
 
 def _description(recording: Run) -> dict[str, NDArray[Any]]:
     """Return the parameters, and what the certificate did at each step, where they are known."""
-    known = {name: getattr(recording, name) for name in ("intervention", "clearance", "status")}
+    columns = ("intervention", "clearance", "status", "real_time")
+    known = {name: getattr(recording, name) for name in columns}
     known[parameters.NAME] = parameters.to_bytes(recording.parameters, len(recording.t))
     return {name: values for name, values in known.items() if values is not None}
 

@@ -23,4 +23,4 @@ def open_pose_log(path: Path, robots: int, about: dict[str, Any]) -> PoseLog:
     about : dict
         Which script ran, on which generation, with which seed.
     """
-    return PoseLog(path, robots, ROWS, about)
+    return PoseLog(path, robots, ROWS, about, real_time=False)

@@ -130,6 +130,8 @@ class Run:
         How far the team is from being unsafe at each step (m); NaN where unknown.
     status : (T,) array of str, optional
         What the certificate answered at each step; "" where unknown.
+    real_time : (T,) array, optional
+        Seconds on a clock that nobody set, at which each row was written, strictly increasing.
     parameters : mapping
         Whatever the log says about the run: law, seed, versions, how it ended.
     notes : tuple of str
@@ -155,6 +157,7 @@ class Run:
     intervention: Floats | None = None
     clearance: Floats | None = None
     status: NDArray[np.str_] | None = None
+    real_time: Floats | None = None
     parameters: Mapping[str, Any] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     sources: tuple[str, ...] = ()
@@ -184,6 +187,7 @@ class Run:
             ("intervention", (samples,)),
             ("clearance", (samples,)),
             ("status", (samples,)),
+            ("real_time", (samples,)),
         ):
             values = getattr(self, name)
             if values is None:
@@ -197,6 +201,8 @@ class Run:
             sound = np.isfinite(self.commands).all(axis=(1, 2))
             row = int(np.flatnonzero(~sound)[0])
             raise LogError(f"{where}: row {row}: a command is not a finite number")
+        if self.real_time is not None:
+            _check_time(where, self.real_time, "real time")
         if self.intervention is not None and np.isinf(self.intervention).any():
             row = int(np.flatnonzero(np.isinf(self.intervention))[0])
             raise LogError(f"{where}: row {row}: intervention is not a finite number")
@@ -305,16 +311,16 @@ class Run:
         return replace(self, notes=self.notes + notes)
 
 
-def _check_time(where: str, t: Floats) -> None:
+def _check_time(where: str, t: Floats, name: str = "time") -> None:
     bad = np.flatnonzero(~np.isfinite(t))
     if bad.size:
-        raise LogError(f"{where}: row {bad[0]}: time is {t[bad[0]]}, not a finite number")
+        raise LogError(f"{where}: row {bad[0]}: {name} is {t[bad[0]]}, not a finite number")
     back = np.flatnonzero(np.diff(t) <= 0)
     if back.size:
         row = int(back[0]) + 1
         what = "stands still" if t[row] == t[row - 1] else "runs backwards"
         raise LogError(
-            f"{where}: row {row}: time {what}, {t[row - 1]:g} s then {t[row]:g} s "
+            f"{where}: row {row}: {name} {what}, {t[row - 1]:g} s then {t[row]:g} s "
             f"({back.size} such row(s)); sort or mend the file"
         )
 

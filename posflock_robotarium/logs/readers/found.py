@@ -18,10 +18,11 @@ Floats = NDArray[np.float64]
 
 
 class LogClock(Enum):
-    """Whether a file's own times are used."""
+    """Which times are used: the file's own, none of it, or its real time beside them."""
 
     FILE = "file"
     NONE = "none"
+    REAL = "real"
 
 
 class Lengths(Enum):
@@ -52,7 +53,7 @@ class ReadOptions:
     bounds : Bounds
         How large the file may be.
     clock : LogClock
-        Whether the file's own times are used.
+        Whether the file's own times are used, or its real time in their place.
     units : Lengths, optional
         What lengths are in, where the file does not say it.
     degrees : bool
@@ -105,6 +106,8 @@ class Found:
         step, as `Run` has them.
     status : (T,) array of str, optional
         What the certificate answered at each step, as `Run` has it.
+    real_time : (T,) array, optional
+        Seconds by the clock at which each row was written, NaN where unknown.
     parameters : mapping
         What the file says about the run.
     promised : int, optional
@@ -121,6 +124,7 @@ class Found:
     intervention: Floats | None = None
     clearance: Floats | None = None
     status: NDArray[np.str_] | None = None
+    real_time: Floats | None = None
     parameters: Mapping[str, Any] = field(default_factory=dict)
     promised: int | None = None
     lengths_told: bool = False
@@ -156,4 +160,5 @@ class Found:
             intervention=of(self.intervention),
             clearance=of(self.clearance),
             status=of(self.status),
+            real_time=of(self.real_time),
         )

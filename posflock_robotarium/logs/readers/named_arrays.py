@@ -81,6 +81,7 @@ def poses_among(
         intervention=_number_each_step(arrays.get("intervention"), len(poses)),
         clearance=_number_each_step(arrays.get("clearance"), len(poses)),
         status=_word_each_step(arrays.get("status"), len(poses)),
+        real_time=_number_each_step(arrays.get("real_time"), len(poses)),
         parameters=said,
         promised=promised,
     )

@@ -17,10 +17,15 @@ from posflock_robotarium.logs.readers.found import ReadOptions
 from posflock_robotarium.logs.readers.named_arrays import floats
 from posflock_robotarium.logs.readers.numpy_arrays import SIGNATURE, read_header, read_npy
 from posflock_robotarium.logs.readers.parameters import LARGEST, from_json, rows_promised
+from posflock_robotarium.logs.real_time import believed
 from posflock_robotarium.logs.run import Ending, How, Run, ending_of, missing_rows
 from rps_compat.bounded_files import read_bounded
 
+Floats = NDArray[np.float64]
+
 FIELDS = row_type(1).names or ()
+_EARLIER = tuple(name for name in FIELDS if name != "real_time")
+"""Fields of format 2, which knew no real time."""
 
 
 def _recognises(file: Path, start: bytes) -> bool:
@@ -28,7 +33,7 @@ def _recognises(file: Path, start: bytes) -> bool:
         return False
     with file.open("rb") as stream:
         shape, kind = read_header(stream, str(file))
-    return kind.names == FIELDS and len(shape) == 1
+    return kind.names in (FIELDS, _EARLIER) and len(shape) == 1
 
 
 def _read(file: Path, options: ReadOptions) -> Run:
@@ -92,6 +97,7 @@ def run_of(file: Path, rows: NDArray[Any], bounds: Bounds = BOUNDS) -> Run:
         name: floats(rows[name][:reached], f"{file}: {name}").copy()
         for name in ("pose", "command", "intervention", "clearance")
     }
+    real_time, why = _real_time(rows[:reached], t[:reached], parameters, str(file))
     return Run(
         name=file.stem,
         t=t[:reached].copy(),
@@ -100,8 +106,9 @@ def run_of(file: Path, rows: NDArray[Any], bounds: Bounds = BOUNDS) -> Run:
         intervention=columns["intervention"],
         clearance=columns["clearance"],
         status=_words(rows["status"][:reached]),
+        real_time=real_time,
         parameters=parameters,
-        notes=tuple(notes),
+        notes=(*notes, *why),
         sources=(str(file),),
         doubts=doubts,
     )
@@ -118,6 +125,19 @@ def _doubts(
     if digest != digest_of([np.ascontiguousarray(rows).view(np.uint8).data]):
         return (f"the rows are not those that {beside} was written for",), ()
     return (), ("every row is as it was written",)
+
+
+def _real_time(
+    rows: NDArray[Any], t: Floats, parameters: dict[str, Any], where: str
+) -> tuple[Floats | None, tuple[str, ...]]:
+    """Return the real time of each row, and why there is none where rows hold one."""
+    if "real_time" not in (rows.dtype.names or ()):
+        return None, ()
+    logged = floats(rows["real_time"], f"{where}: real_time").copy()
+    if logged.shape != t.shape:
+        raise LogError(f"{where}: real_time has shape {logged.shape}, expected {t.shape}")
+    found, why = believed(logged, t, parameters.get("simulated") is True)
+    return found, (why,) if why else ()
 
 
 def _how_it_ended(ending: Ending) -> list[str]:

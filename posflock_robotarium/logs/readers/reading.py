@@ -22,13 +22,14 @@ from posflock_robotarium.logs.readers.bounds import Bounds
 from posflock_robotarium.logs.readers.bundles import files_of, is_bundle
 from posflock_robotarium.logs.readers.clocks import Track, joined
 from posflock_robotarium.logs.readers.forms import form_of
-from posflock_robotarium.logs.readers.found import Found, ReadOptions
+from posflock_robotarium.logs.readers.found import Found, LogClock, ReadOptions
 from posflock_robotarium.logs.readers.named_arrays import poses_among
 from posflock_robotarium.logs.readers.names import STATE_NAMES, TIME_NAMES
 from posflock_robotarium.logs.readers.numpy_arrays import NPY, read_npy
 from posflock_robotarium.logs.readers.pose_logs import FIELDS, POSE_LOG, run_of
 from posflock_robotarium.logs.readers.timing import timed
 from posflock_robotarium.logs.readers.units import SAME_FRAME, in_metres, without_repeats
+from posflock_robotarium.logs.real_time import believed, over_real_time
 from posflock_robotarium.logs.run import Run, missing_rows
 
 Floats = NDArray[np.float64]
@@ -64,9 +65,9 @@ def read(path: str | os.PathLike[str], options: ReadOptions | None = None) -> Ru
     file = _existing(Path(path))
     with _named(file):
         found = form_of(file).read(file, options)
-        if isinstance(found, Run):
-            return found
-        return _recording(found, file.stem, (str(file),), options)
+        if not isinstance(found, Run):
+            found = _recording(found, file.stem, (str(file),), options)
+        return over_real_time(found) if options.clock is LogClock.REAL else found
 
 
 def read_pose_log(path: str | os.PathLike[str]) -> Run:
@@ -185,6 +186,11 @@ def _recording(found: Found, name: str, sources: tuple[str, ...], options: ReadO
     if len(t) and np.isfinite(t[0]) and abs(t[0]) > 1e5:
         found = found.noted(f"time counted from the first pose, recorded as {t[0]:.3f} s")
         t = t - t[0]
+    real_time = None
+    if found.real_time is not None:
+        simulated = found.parameters.get("simulated") is True
+        real_time, why = believed(found.real_time, t, simulated)
+        found = found.noted(why) if why else found
     return Run(
         name=name,
         t=np.ascontiguousarray(t),
@@ -193,6 +199,7 @@ def _recording(found: Found, name: str, sources: tuple[str, ...], options: ReadO
         intervention=found.intervention,
         clearance=found.clearance,
         status=found.status,
+        real_time=real_time,
         parameters=found.parameters,
         notes=found.notes,
         sources=sources,
