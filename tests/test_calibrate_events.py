@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from posflock_robotarium.calibration.events.lines import events_in
-from posflock_robotarium.calibration.events.times import fit_events
-from posflock_robotarium.calibration.events.trials import (
+from posflock_robotarium.cli import app
+from posflock_robotarium.event_calibration.times import fit_events
+from posflock_robotarium.event_calibration.trials import (
     Candidate,
     Heard,
     hear,
@@ -18,8 +18,8 @@ from posflock_robotarium.calibration.events.trials import (
     script_source,
     with_candidate,
 )
-from posflock_robotarium.cli import app
 from posflock_robotarium.flocking.errors import LogError, ParameterError
+from posflock_robotarium.logs.event_lines import events_in
 from posflock_robotarium.verify.trials import Limits
 from rps_compat.profiles import load_profile
 

@@ -114,7 +114,7 @@ def _calibrate_events(
     json_only: bool,
 ) -> None:
     from posflock_robotarium.calibration import write_profile
-    from posflock_robotarium.calibration.events import calibrate_events
+    from posflock_robotarium.event_calibration import calibrate_events
     from posflock_robotarium.verify.trials import Limits
     from rps_compat.profiles import load_profile
 

@@ -7,9 +7,8 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from posflock_robotarium.calibration.events.lines import events_in
-from posflock_robotarium.calibration.events.times import EventFit, fit_events
-from posflock_robotarium.calibration.events.trials import (
+from posflock_robotarium.event_calibration.times import EventFit, fit_events
+from posflock_robotarium.event_calibration.trials import (
     Candidate,
     Heard,
     hear,
@@ -18,6 +17,7 @@ from posflock_robotarium.calibration.events.trials import (
     with_candidate,
 )
 from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.logs.event_lines import events_in
 from posflock_robotarium.verify.trials import Limits
 from rps_compat.bounded_files import read_bounded
 from rps_compat.realism import Profile

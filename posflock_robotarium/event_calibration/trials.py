@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from posflock_robotarium.calibration.events.lines import EventKey, events_in
 from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.logs.event_lines import EventKey, events_in
 from posflock_robotarium.verify.fork_server import PRINTED
 from posflock_robotarium.verify.source import Source
 from posflock_robotarium.verify.static import check_source

@@ -26,10 +26,10 @@ from numpy.typing import NDArray
 from scipy.stats import t as student
 
 from posflock_robotarium.calibration.estimate import Estimate
-from posflock_robotarium.calibration.events.lines import EventKey
-from posflock_robotarium.calibration.events.trials import Candidate, Heard
 from posflock_robotarium.calibration.identifiability import USEFUL, FittedParameter
+from posflock_robotarium.event_calibration.trials import Candidate, Heard
 from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.logs.event_lines import EventKey
 
 Floats = NDArray[np.float64]
 #: Simulates under candidates.
