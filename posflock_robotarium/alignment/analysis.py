@@ -28,14 +28,17 @@ from numpy.typing import NDArray
 
 from posflock_robotarium.alignment.estimators import ESTIMATORS
 from posflock_robotarium.alignment.faults import faults_of
+from posflock_robotarium.alignment.following import Following, following_of
 from posflock_robotarium.alignment.measuring import curves_of, measure, numbers_of
 from posflock_robotarium.alignment.metric_registry import Number
 from posflock_robotarium.alignment.options import TRANSIENT, AnalysisOptions, settled_samples
 from posflock_robotarium.alignment.verdicts import RunVerdict, verdicts_of
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.flocking.flock import WALLS
+from posflock_robotarium.logs.printed_log import PrintedLog
 from posflock_robotarium.logs.readers import ReadOptions, Run, read
 from posflock_robotarium.logs.readers.numpy_archives import read_npz
+from posflock_robotarium.logs.start import experiment_start
 from rps_compat.testbed import RobotModel
 from rps_compat.violations import Event
 from rps_compat.whole_files import atomic_write
@@ -44,7 +47,7 @@ Floats = NDArray[np.float64]
 
 FORMAT = "posflock analysis 1"
 
-_COLUMNS = ("commands", "intervention", "clearance", "status")
+_COLUMNS = ("commands", "intervention", "clearance", "status", "real_time")
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +74,8 @@ class Analysis:
         Collisions and boundary crossings in the order in which they began.
     verdicts : tuple of RunVerdict
         The run in sentences.
+    following : Following or None
+        How robots followed their commands; None of a log without any.
     """
 
     recording: Run
@@ -82,6 +87,7 @@ class Analysis:
     numbers: Mapping[str, Number]
     events: tuple[Event, ...] = field(repr=False)
     verdicts: tuple[RunVerdict, ...]
+    following: Following | None = None
 
     @property
     def name(self) -> str:
@@ -106,7 +112,12 @@ class Analysis:
     @property
     def settled(self) -> NDArray[np.bool_]:
         """Samples that count for the numbers named "settled": (T,) booleans."""
-        return settled_samples(self.recording.t, self.options.transient)
+        return settled_samples(self.recording.t, self.options.transient, self.start)
+
+    @property
+    def start(self) -> float:
+        """When the experiment began, s by the log's times: after the drive to the start."""
+        return experiment_start(self.recording, self.options.drive)
 
     def summary(self) -> dict[str, Any]:
         """Return everything but the curves, ready for JSON (NaN becomes null).
@@ -123,6 +134,7 @@ class Analysis:
                 "run": self.name,
                 "sources": list(recording.sources),
                 "how_it_was_read": list(recording.notes),
+                "printed": recording.printed and dataclasses.asdict(recording.printed),
                 "origin": self.origin,
                 "robot": {"generation": self.generation, **dataclasses.asdict(self.robot)},
                 "options": dataclasses.asdict(self.options),
@@ -133,6 +145,7 @@ class Analysis:
                 "statistics": {key: statistics(curve) for key, curve in self.curves.items()},
                 "events": [dataclasses.asdict(event) for event in self.events],
                 "verdicts": [dataclasses.asdict(verdict) for verdict in self.verdicts],
+                "following": self.following and dataclasses.asdict(self.following),
                 "parameters": dict(recording.parameters),
             }
         )
@@ -215,6 +228,7 @@ def analyse(
         numbers=numbers,
         events=tuple(run.once(faults_of).events),
         verdicts=verdicts_of(run.recording, numbers, run.options.threshold, run.options.slowest),
+        following=run.once(following_of),
     )
 
 
@@ -247,6 +261,8 @@ def load(path: str | os.PathLike[str]) -> Analysis:
             intervention=arrays.get("intervention"),
             clearance=arrays.get("clearance"),
             status=arrays.get("status"),
+            real_time=arrays.get("real_time"),
+            printed=PrintedLog(**printed) if (printed := summary.get("printed")) else None,
             parameters=summary["parameters"],
             notes=tuple(summary["how_it_was_read"]),
             sources=tuple(summary["sources"]),
@@ -269,6 +285,7 @@ def load(path: str | os.PathLike[str]) -> Analysis:
                 Event(**{**event, "robots": tuple(event["robots"])}) for event in summary["events"]
             ),
             verdicts=tuple(RunVerdict(**verdict) for verdict in summary["verdicts"]),
+            following=Following.from_dict(said) if (said := summary.get("following")) else None,
         )
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise LogError(f"{target}: not a saved analysis ({error!r})") from error

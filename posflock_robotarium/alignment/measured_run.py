@@ -19,6 +19,7 @@ from posflock_robotarium.alignment.estimators import Motion, estimate
 from posflock_robotarium.alignment.options import TRANSIENT, AnalysisOptions, settled_samples
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.logs.run import Run
+from posflock_robotarium.logs.start import experiment_start
 from rps_compat.testbed import RobotModel
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -73,7 +74,12 @@ class MeasuredRun:
     @cached_property
     def settled(self) -> NDArray[np.bool_]:
         """Samples that count for the numbers named "settled", shape (T,)."""
-        return settled_samples(self.recording.t, self.options.transient)
+        return settled_samples(self.recording.t, self.options.transient, self.start)
+
+    @cached_property
+    def start(self) -> float:
+        """When the experiment began, s by the log's times: after the drive to the start."""
+        return experiment_start(self.recording, self.options.drive)
 
     @property
     def transient(self) -> float:
@@ -85,8 +91,10 @@ class MeasuredRun:
         """The time that settled numbers are taken over, in words."""
         if self.settled.all():
             return "of the whole run"
-        first = int(np.argmax(self.settled))
-        return f"after {self.recording.t[first] - self.recording.t[0]:.0f} s"
+        first, t = int(np.argmax(self.settled)), self.recording.t
+        if self.start == t[0]:
+            return f"after {t[first] - t[0]:.0f} s"
+        return f"from {t[first] - self.start:.0f} s after the drive to the start"
 
     @cached_property
     def weights(self) -> Floats:

@@ -9,6 +9,7 @@ from posflock_robotarium.alignment.measured_run import Floats, MeasuredRun
 from posflock_robotarium.alignment.options import AnalysisOptions
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.logs.run import Run
+from posflock_robotarium.logs.start import experiment_start
 
 
 def measure(recording: Run, options: AnalysisOptions | None = None) -> MeasuredRun:
@@ -26,11 +27,11 @@ def measure(recording: Run, options: AnalysisOptions | None = None) -> MeasuredR
     LogError
         When the neighbour radius is known from nowhere.
     ParameterError
-        When the run ends before its transient is over.
+        When the run ends before its drive to the start, or its transient, is over.
     """
     options = options or AnalysisOptions()
     options = dataclasses.replace(options, radius=recording.neighbour_radius(options.radius))
-    duration = float(recording.t[-1] - recording.t[0])
+    duration = float(recording.t[-1] - experiment_start(recording, options.drive))
     if options.transient is not None and options.transient >= duration:
         raise ParameterError(
             f"{recording.name}: --transient is {options.transient:g} s, but the run ends after "

@@ -36,6 +36,9 @@ class AnalysisOptions:
     transient : float, optional
         Seconds at the start that numbers named "settled" leave out; by default `TRANSIENT`, and
         nothing of a run that is shorter.
+    drive : float, optional
+        Seconds at the start in which robots drive to their initial conditions; the transient
+        begins after them. By default what the log says, see `logs.start`.
 
     Raises
     ------
@@ -48,11 +51,12 @@ class AnalysisOptions:
     slowest: float = SLOWEST
     threshold: float = 0.9
     transient: float | None = None
+    drive: float | None = None
 
     def __post_init__(self) -> None:
-        for name, low in (("window", 0.0), ("slowest", 0.0), ("transient", 0.0)):
+        for name, low in (("window", 0.0), ("slowest", 0.0), ("transient", 0.0), ("drive", 0.0)):
             value = getattr(self, name)
-            if value is None and name == "transient":
+            if value is None and name in ("transient", "drive"):
                 continue
             if not (math.isfinite(value) and value >= low) or (name == "window" and value <= 0):
                 raise ParameterError(f"{name} is {value}; expected a finite number above {low:g}")
@@ -63,22 +67,27 @@ class AnalysisOptions:
             raise ParameterError(f"neighbour radius is {self.radius}; expected metres above 0")
 
 
-def settled_samples(t: Floats, transient: float | None) -> NDArray[np.bool_]:
+def settled_samples(
+    t: Floats, transient: float | None, start: float | None = None
+) -> NDArray[np.bool_]:
     """Return which samples come later than `transient` seconds; all of them in a shorter run.
 
     Parameters
     ----------
     t : (T,) array
-        Times, s, of any origin: seconds are counted from the first.
+        Times, s, of any origin.
     transient : float, optional
         Seconds at the start that do not count; by default `TRANSIENT`.
+    start : float, optional
+        When the experiment began, on the same clock: nothing before it counts. By default at the
+        first sample.
 
     Returns
     -------
     (T,) boolean array
         Whether each sample counts.
     """
-    elapsed = t - t[0]
+    elapsed = t - (t[0] if start is None else start)
     transient = TRANSIENT if transient is None else transient
     later = ties.beyond(elapsed, transient)
-    return later if later.any() else np.ones(len(t), dtype=bool)
+    return later if later.any() else np.asarray(ties.reached(elapsed, 0.0))

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-from rps_compat.testbed import RobotModel
+from rps_compat.testbed import WATCHDOG, RobotModel
 
 
 @dataclass(frozen=True)
@@ -21,10 +21,13 @@ class Line:
         What lies there.
     level : callable
         Of the run's robot and arena, in the plot's unit.
+    always : bool
+        Whether the axis reaches it where the curves do not.
     """
 
     label: str
     level: Callable[[RobotModel], float] = lambda robot: 0.0
+    always: bool = True
 
 
 @dataclass(frozen=True)
@@ -70,6 +73,13 @@ HEADING = Panel("heading", "Heading of the flock", "rad")
 CERTIFICATE = Panel("certificate", "Certificate", "m/s", (0.0, None))
 CLEARANCE = Panel("clearance", "Clearance", "m", lines=(Line("unsafe"),))
 WHEELS = Panel("wheels", "Fastest wheel", "rad/s", (0.0, None))
+STEPS = Panel(
+    "steps",
+    "Time that each step took",
+    "s",
+    (0.0, None),
+    (Line("robots brake", lambda robot: WATCHDOG, always=False),),
+)
 
 READING_ORDER = (
     ALIGNMENT,
@@ -84,6 +94,7 @@ READING_ORDER = (
     CERTIFICATE,
     CLEARANCE,
     WHEELS,
+    STEPS,
 )
 
 

@@ -12,11 +12,14 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from barrier_certificates import ties
+from posflock_robotarium.alignment.following_verdict import following_verdict
+from posflock_robotarium.alignment.loop_verdict import loop_verdict
 from posflock_robotarium.alignment.metric_registry import Number
 from posflock_robotarium.alignment.metrics import SMOOTHING_POINTS
 from posflock_robotarium.alignment.run_verdict import Mark, RunVerdict
+from posflock_robotarium.alignment.whole_run import whole_run_verdict
 from posflock_robotarium.logs import plausibility
-from posflock_robotarium.logs.run import How, Run
+from posflock_robotarium.logs.run import Run
 
 MOSTLY = 0.5
 """A flock of which more than this share stands, stands."""
@@ -57,17 +60,19 @@ def verdicts_of(
     Returns
     -------
     tuple of RunVerdict
-        Aligned? Together? Safe? Within limits? How sure? The whole run?
+        Aligned? Together? Safe? Within limits? How sure? As told? In time? The whole run?
     """
     value = {key: float(number.value) for key, number in numbers.items()}
     verdicts = [
         _aligned(value, threshold, slowest, recording.headed),
         _together(value),
-        _safe(value),
+        _safe(value, stopped=recording.printed is not None and recording.printed.collision),
     ]
     verdicts += _limits(value)
     verdicts.append(_in_degrees(recording, value) or _jumping(recording) or _sure(value))
-    verdicts += _complete(recording, value)
+    verdicts += following_verdict(value)
+    verdicts += loop_verdict(recording, value)
+    verdicts += whole_run_verdict(recording, value)
     return tuple(verdicts)
 
 
@@ -190,7 +195,7 @@ def _together(v: Mapping[str, float]) -> RunVerdict:
     return RunVerdict(question, Mark.BAD, answer, because, "split")
 
 
-def _safe(v: Mapping[str, float]) -> RunVerdict:
+def _safe(v: Mapping[str, float], stopped: bool) -> RunVerdict:
     question = "Was it safe?"
     counts = (
         (int(v.get("collisions", 0)), "collision"),
@@ -218,6 +223,9 @@ def _safe(v: Mapping[str, float]) -> RunVerdict:
     faults = " and ".join(f"{n} {word}{'s' if n > 1 else ''}" for n, word in counts if n)
     if faults:
         return RunVerdict(question, Mark.BAD, f"No: {faults}.", because, f"unsafe: {faults}")
+    if stopped:
+        answer = "No: the testbed detected a collision."
+        return RunVerdict(question, Mark.BAD, answer, because, "unsafe: 1 collision")
     if unseen:
         answer = "Nobody outside; collisions are unknown without headings."
         return RunVerdict(question, Mark.UNKNOWN, answer, because)
@@ -324,28 +332,6 @@ def _sure(v: Mapping[str, float]) -> RunVerdict:
     if bias > 0.02:
         return RunVerdict(question, Mark.CAUTION, "γ from motion is noisy.", because)
     return RunVerdict(question, Mark.GOOD, "The estimate is sharp.", because)
-
-
-def _complete(recording: Run, v: Mapping[str, float]) -> Iterator[RunVerdict]:
-    question = "Is it the whole run?"
-    ending, planned = recording.ending, recording.planned
-    length = f"{v['duration']:.1f} s are logged"
-    if planned is not None:
-        length += f" of {planned:.1f} s planned"
-    if recording.doubts:
-        first, *others = recording.doubts
-        because = " ".join(f"{doubt[0].upper()}{doubt[1:]}." for doubt in others)
-        yield RunVerdict(question, Mark.BAD, f"No: {first}.", f"{length}. {because}".strip())
-    elif ending is not None and ending.how is How.FINISHED:
-        yield RunVerdict(question, Mark.GOOD, "Yes, the run finished.", f"{length}.")
-    elif ending is not None:
-        killed = ending.how is How.RUNNING
-        words = "it was killed, or still goes on" if killed else ending.how.value
-        yield RunVerdict(
-            question, Mark.CAUTION, f"No: {words}.", f"{length}. {ending.reason}".strip()
-        )
-    elif planned is not None and ties.short_of(v["duration"], 0.95 * planned):
-        yield RunVerdict(question, Mark.CAUTION, "Shorter than planned.", f"{length}.")
 
 
 def _g(gamma: float) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from posflock_robotarium.calibration.fit import (
 from posflock_robotarium.calibration.identifiability import USEFUL, FittedParameter, LeftOut
 from posflock_robotarium.calibration.increments import NO_COMMANDS, increments_of
 from posflock_robotarium.calibration.residuals import damaged, hidden_stalls
+from posflock_robotarium.calibration.response import delayed
 from posflock_robotarium.calibration.result import Calibration, Jitter, PerRobot, Unexplained
 from posflock_robotarium.calibration.step_times import StepTimes, TimesOrigin, step_times_of
 from posflock_robotarium.calibration.tracking import heading_offsets, lateral_jitter
@@ -33,6 +34,30 @@ from posflock_robotarium.logs.run import Run
 
 Floats = NDArray[np.float64]
 _GAINS = (FittedParameter.SPEED_GAIN, FittedParameter.TURN_GAIN)
+
+
+@dataclass(frozen=True, eq=False)
+class Fitting:
+    """A calibration with the motion that it was fitted to.
+
+    Attributes
+    ----------
+    calibration : Calibration
+        What was fitted.
+    driven : (K, 2, N) array
+        Speeds, m/s, and turn rates, rad/s, of robots with a gain of 1, the team's dead time and
+        its lag, averaged over each step.
+    went, turned : (K, N) array
+        The robots' own, from their poses, m/s and rad/s.
+    known : (K, N) boolean array
+        Which of them are to be believed.
+    """
+
+    calibration: Calibration
+    driven: Floats
+    went: Floats
+    turned: Floats
+    known: NDArray[np.bool_]
 
 
 def calibrate(log: Run, step_times: float | Floats | None = None) -> Calibration:
@@ -50,6 +75,24 @@ def calibrate(log: Run, step_times: float | Floats | None = None) -> Calibration
     LogError
         Where the log is too short, has no commands, times or units that cannot be, or determines
         nothing of how its robots follow commands.
+    """
+    return fitting_of(log, step_times).calibration
+
+
+def fitting_of(log: Run, step_times: float | Floats | None = None) -> Fitting:
+    """Fit the model, and return the motion that it was fitted to, too.
+
+    Parameters
+    ----------
+    log : Run
+        Poses as tracked, and the commands sent after each reading.
+    step_times : float or (K,) array, optional
+        Seconds from row to row, one for all or each; the log's own times by default.
+
+    Raises
+    ------
+    LogError
+        As `calibrate`.
     """
     if log.commands is None:
         raise LogError(f"{log.name}: {NO_COMMANDS}")
@@ -75,8 +118,13 @@ def calibrate(log: Run, step_times: float | Floats | None = None) -> Calibration
         fit = Fit(data)
         fitted = fit.solve()
     if (spikes := damaged(fit)).any():
-        fitted = Fit(replace(data, known=data.known & ~spikes)).solve()
-    return _calibration(log, times, replace(sightings, spikes=spikes), fitted, offsets)
+        data = replace(data, known=data.known & ~spikes)
+        fitted = Fit(data).solve()
+    found = _calibration(log, times, replace(sightings, spikes=spikes), fitted, offsets)
+    dead_time, lag = float(fitted.values[0]), float(fitted.values[1])
+    driven = delayed(data.commands, dead_time, lag, data.steps, data.before)
+    steps = data.steps[:, np.newaxis]
+    return Fitting(found, driven, data.along / steps, data.turn / steps, data.known)
 
 
 def _calibration(

@@ -96,6 +96,14 @@ Transient = Annotated[
         show_default=False,
     ),
 ]
+Drive = Annotated[
+    float | None,
+    typer.Option(
+        help="Seconds at the start in which robots drive to their places: marked, and left out of "
+        "settled means; what the log says by default.",
+        show_default=False,
+    ),
+]
 ReportFolder = Annotated[
     Path, typer.Option("-o", "--out", help="Folder for everything that is written.")
 ]

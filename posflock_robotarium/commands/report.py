@@ -31,6 +31,7 @@ def report(
     window: options.Window = 0.36,
     slowest: options.Slowest = 0.01,
     transient: options.Transient = None,
+    drive: options.Drive = None,
     latex: options.Latex = False,
     figures: options.Figures = True,
     json: options.SummaryAsJson = False,
@@ -59,6 +60,7 @@ def report(
         window,
         slowest,
         transient,
+        drive,
         join,
     )
     written = write_report(analyses, out, latex=latex, figures=figures)
@@ -112,6 +114,7 @@ def compare(
     window: options.Window = 0.36,
     slowest: options.Slowest = 0.01,
     transient: options.Transient = None,
+    drive: options.Drive = None,
     json: options.SummaryAsJson = False,
 ) -> None:
     """Put runs side by side: every number, mean and 95 % interval, differences.
@@ -132,7 +135,7 @@ def compare(
         reading = _reading(
             layout, columns, dt, array, drop_damaged, units, degrees, time, max_size, max_robots
         )
-        analyses = _analyse(logs, reading, radius, window, slowest, transient, False)
+        analyses = _analyse(logs, reading, radius, window, slowest, transient, drive, False)
     comparison = compare_runs(analyses, labels.split(",") if labels else None)
     if json:
         import json as writer
@@ -272,6 +275,7 @@ def _analyse(
     window: float,
     slowest: float,
     transient: float | None,
+    drive: float | None,
     join: bool,
 ) -> list["Analysis"]:
     from posflock_robotarium.alignment.analysis import is_analysis
@@ -279,7 +283,9 @@ def _analyse(
     from posflock_robotarium.commands.terminal import progress
     from posflock_robotarium.report import AnalysisOptions, analyse, load, read_parts
 
-    judged = AnalysisOptions(radius=radius, window=window, slowest=slowest, transient=transient)
+    judged = AnalysisOptions(
+        radius=radius, window=window, slowest=slowest, transient=transient, drive=drive
+    )
     if join:
         return [analyse(read_parts(logs, reading), judged)]
     analyses = []

@@ -24,6 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from barrier_certificates import ties
 from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.logs.printed_log import PrintedLog
 from posflock_robotarium.logs.robots import LoggedRobot, robot_of
 from rps_compat.testbed import RobotModel
 
@@ -143,6 +144,8 @@ class Run:
     doubts : tuple of str
         Why the rows cannot be all that were written, or those that were, whatever the log says of
         how it ended; one a reason.
+    printed : PrintedLog, optional
+        What testbed and script printed during the run.
 
     Raises
     ------
@@ -163,6 +166,7 @@ class Run:
     sources: tuple[str, ...] = ()
     timed: bool = True
     doubts: tuple[str, ...] = ()
+    printed: PrintedLog | None = None
 
     def __post_init__(self) -> None:
         where = self.sources[0] if self.sources else self.name
@@ -243,6 +247,14 @@ class Run:
     def planned(self) -> float | None:
         """Seconds that the run was meant to last; None where the log does not say."""
         return self._number("duration")
+
+    @property
+    def first_pose_at(self) -> float | None:
+        """When the first row was written, seconds since 1970; None where nobody knows."""
+        opened = self._number("opened_at")
+        if opened is not None and self.real_time is not None:
+            return opened + float(self.real_time[0])
+        return self._number("first_pose_at")
 
     @property
     def simulated(self) -> bool | None:

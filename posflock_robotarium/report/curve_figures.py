@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from posflock_robotarium.alignment.analysis import Analysis
 from posflock_robotarium.alignment.catalogue import Metric, figures, metrics
 from posflock_robotarium.alignment.comparison import spread_of
-from posflock_robotarium.alignment.panels import LEFT_OUT
+from posflock_robotarium.alignment.panels import LEFT_OUT, Line
 from posflock_robotarium.figures.experiment import snapshots
 from posflock_robotarium.figures.style import (
     BLACK,
@@ -200,6 +200,8 @@ def curves(analysis: Analysis, name: str) -> Figure:
     )
     if len(drawn) > 1:
         _legend_above(axes, 3)
+    for line in () if first.panel is None else first.panel.lines:
+        _level(axes, line, analysis)
     _time_axis(axes, [analysis])
     return figure
 
@@ -235,6 +237,24 @@ def runs(analyses: Sequence[Analysis]) -> Figure:
         _time_axis(axes, analyses)
     _legend_above(left, 4)
     return figure
+
+
+def _level(axes: Axes, line: Line, analysis: Analysis) -> None:
+    """Draw a level of a panel across its figure, where the axis reaches it."""
+    level, (low, high) = line.level(analysis.robot), axes.get_ylim()
+    if not (line.always or low <= level <= high):
+        return
+    axes.axhline(level, color=GREY, linewidth=0.8)
+    axes.text(
+        0.995,
+        level,
+        line.label,
+        transform=axes.get_yaxis_transform(),
+        fontsize=6,
+        color="#555555",
+        ha="right",
+        va="bottom",
+    )
 
 
 def _mean_band(axes: Axes, analyses: Sequence[Analysis], key: str) -> None:
@@ -310,8 +330,30 @@ def _legend_above(axes: Axes, columns: int, backwards: bool = False) -> None:
     )
 
 
+def _mark_drive(axes: Axes, analysis: Analysis) -> None:
+    """Shade the drive to the start, where one is in the log."""
+    first = float(analysis.recording.t[0])
+    if analysis.start <= first:
+        return
+    for shaded in axes.figure.axes:
+        shaded.axvspan(first, analysis.start, color=GREY, alpha=0.18, linewidth=0, zorder=0)
+    tallest = axes.figure.axes[0]
+    tallest.text(
+        analysis.start,
+        0.02,
+        "drive to the start ",
+        transform=tallest.get_xaxis_transform(),
+        fontsize=6,
+        color="#555555",
+        ha="right",
+        va="bottom",
+        rotation=90,
+    )
+
+
 def _time_axis(axes: Axes, analyses: Sequence[Analysis]) -> None:
     if len(analyses) == 1:
         axes.set_xlim(analyses[0].recording.t[0], analyses[0].recording.t[-1])
+        _mark_drive(axes, analyses[0])
     else:
         axes.set_xlim(0.0, max(float(a.recording.t[-1] - a.recording.t[0]) for a in analyses))

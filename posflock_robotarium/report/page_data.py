@@ -130,8 +130,9 @@ class Plot:
         What the vertical axis is in; empty for pure numbers.
     limits : pair of float or None
         Ends of that axis; None where the curves decide.
-    lines : tuple of (float, str)
-        Levels to hold the curves against, in that unit, and what lies there.
+    lines : tuple of (float, str, bool)
+        Levels to hold the curves against, in that unit, what lies there, and whether the axis
+        reaches there in any case.
     series : tuple of Series
         The curves; a plot without any is not shown.
     """
@@ -140,7 +141,7 @@ class Plot:
     title: str
     unit: str
     limits: tuple[float | None, float | None]
-    lines: tuple[tuple[float, str], ...]
+    lines: tuple[tuple[float, str, bool], ...]
     series: tuple[Series, ...]
 
 
@@ -174,6 +175,11 @@ class PageData:
     time : str
         Base64 of the 32-bit times of all curves, s: as logged of one run, since their first
         poses of several.
+    real_time : str
+        Base64 of the 32-bit real times of the samples of one run, s since the first pose; empty
+        where it is unknown, and of several runs.
+    drive : float or None
+        When the drive to the start is over in the log of one run, s; None where none is in it.
     gaps : list of float
         Times at which the log of one run goes on after a gap, s; empty of several runs.
     panels : tuple of Plot
@@ -184,6 +190,8 @@ class PageData:
 
     runs: tuple[Replay, ...]
     time: str
+    real_time: str
+    drive: float | None
     gaps: list[float]
     panels: tuple[Plot, ...]
     beside_replay: tuple[Watched, ...]
@@ -201,10 +209,14 @@ def page_data(analyses: Sequence[Analysis]) -> PageData:
     runs = tuple(_replay(analysis, budget) for analysis in analyses)
     first = analyses[0]
     gaps: list[float] = []
+    real_time, drive = "", None
     if len(analyses) == 1:
         stride = runs[0].stride
         time: Floats = first.recording.t[::stride]
         gaps = first.recording.t[first.recording.gaps].round(4).tolist()
+        drive = first.start if first.start > time[0] else None
+        if (clock := first.recording.real_time) is not None:
+            real_time = _b64((clock - clock[0])[::stride].astype(np.float32))
         drawn = [_plot(panel, shown, first, stride) for panel, shown in panels()]
     else:
         last = max(float(a.recording.t[-1] - a.recording.t[0]) for a in analyses)
@@ -213,6 +225,8 @@ def page_data(analyses: Sequence[Analysis]) -> PageData:
     return PageData(
         runs=runs,
         time=_b64(np.asarray(time, dtype=np.float32)),
+        real_time=real_time,
+        drive=drive,
         gaps=gaps,
         panels=tuple(plot for plot in drawn if plot.series),
         beside_replay=tuple(
@@ -298,7 +312,7 @@ def _known_curve(analysis: Analysis, metric: Metric) -> Floats | None:
 
 
 def _described(panel: Panel, title: str, series: Sequence[Series], first: Analysis) -> Plot:
-    lines = tuple((line.level(first.robot), line.label) for line in panel.lines)
+    lines = tuple((line.level(first.robot), line.label, line.always) for line in panel.lines)
     return Plot(panel.key, title, panel.unit, panel.limits, lines, tuple(series))
 
 

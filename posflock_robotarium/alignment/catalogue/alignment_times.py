@@ -18,17 +18,17 @@ def _aligned(run: MeasuredRun, estimator: str) -> NDArray[np.bool_]:
 
 
 def _first_time(run: MeasuredRun, estimator: str) -> float:
-    reached = np.flatnonzero(_aligned(run, estimator))
     t = run.recording.t
-    return float(t[reached[0]] - t[0]) if reached.size else float("nan")
+    reached = np.flatnonzero(_aligned(run, estimator) & (t >= run.start))
+    return float(t[reached[0]] - run.start) if reached.size else float("nan")
 
 
 def _time_for_good(run: MeasuredRun, estimator: str) -> float:
     # NaN where the last sample itself is below: alignment that ended is not for good.
-    below = np.flatnonzero(~_aligned(run, estimator))
-    lasting = int(below[-1]) + 1 if below.size else 0
     t = run.recording.t
-    return float(t[lasting] - t[0]) if lasting < len(t) else float("nan")
+    below = np.flatnonzero(~_aligned(run, estimator) | (t < run.start))
+    lasting = int(below[-1]) + 1 if below.size else 0
+    return float(t[lasting] - run.start) if lasting < len(t) else float("nan")
 
 
 def _times(short: str, estimator: str, latex: bool) -> tuple[Scalar, ...]:
@@ -38,7 +38,7 @@ def _times(short: str, estimator: str, latex: bool) -> tuple[Scalar, ...]:
             f"time_to_alignment_{short}",
             f"time to {threshold} from {short}",
             "s",
-            "From the first pose to the first sample at or above the threshold; "
+            "From the start of the experiment to the first sample at or above the threshold; "
             "undefined when it is never reached.",
             "Alignment",
             lambda run: _first_time(run, estimator),
@@ -47,7 +47,7 @@ def _times(short: str, estimator: str, latex: bool) -> tuple[Scalar, ...]:
             f"time_aligned_for_good_{short}",
             f"time from which {threshold} for good, from {short}",
             "s",
-            "From the first pose to the last time γ rises to the threshold and stays there; "
+            "From the start of the experiment to the last time γ rises to the threshold and stays; "
             "undefined when the run ends below it.",
             "Alignment",
             lambda run: _time_for_good(run, estimator),

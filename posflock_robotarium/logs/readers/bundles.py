@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path, PurePosixPath
 
 from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.logs.printed_log import read_printed
 from posflock_robotarium.logs.readers.bounds import Bounds
 from rps_compat.containment.kept import KeptFolder
 
@@ -53,6 +54,7 @@ def files_of(path: Path, bounds: Bounds) -> Iterator[list[Path]]:
 
 def _logs(files: list[Path], path: Path) -> list[Path]:
     logs = sorted(file for file in files if file.suffix.lower() in _LOGS and file.is_file())
+    logs = [file for file in logs if not (file.suffix == ".txt" and read_printed(file))] or logs
     if not logs:
         what = "a folder" if path.is_dir() else "a .zip"
         raise LogError(f"{path}: {what} with no log in it; expected files {', '.join(_LOGS)}")

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from posflock_robotarium.flocking.errors import LogError, ParameterError, PosflockError
 from posflock_robotarium.flocking.pose_log import log_paths
+from posflock_robotarium.logs.printed_log import printed_beside
 from posflock_robotarium.logs.readers.bounds import Bounds
 from posflock_robotarium.logs.readers.bundles import files_of, is_bundle
 from posflock_robotarium.logs.readers.clocks import Track, joined
@@ -27,10 +28,11 @@ from posflock_robotarium.logs.readers.named_arrays import poses_among
 from posflock_robotarium.logs.readers.names import STATE_NAMES, TIME_NAMES
 from posflock_robotarium.logs.readers.numpy_arrays import NPY, read_npy
 from posflock_robotarium.logs.readers.pose_logs import FIELDS, POSE_LOG, run_of
-from posflock_robotarium.logs.readers.timing import timed
+from posflock_robotarium.logs.readers.timing import SINCE_1970, timed
 from posflock_robotarium.logs.readers.units import SAME_FRAME, in_metres, without_repeats
 from posflock_robotarium.logs.real_time import believed, over_real_time
 from posflock_robotarium.logs.run import Run, missing_rows
+from posflock_robotarium.logs.start import with_printed
 
 Floats = NDArray[np.float64]
 
@@ -61,12 +63,14 @@ def read(path: str | os.PathLike[str], options: ReadOptions | None = None) -> Ru
     options = options or ReadOptions()
     if is_bundle(Path(path)):
         with files_of(Path(path), options.bounds) as files:
-            return replace(read_parts(files, options), name=Path(path).stem, sources=(str(path),))
+            run = replace(read_parts(files, options), name=Path(path).stem, sources=(str(path),))
+            return run if run.printed else with_printed(run, printed_beside(files[0]))
     file = _existing(Path(path))
     with _named(file):
         found = form_of(file).read(file, options)
         if not isinstance(found, Run):
             found = _recording(found, file.stem, (str(file),), options)
+        found = with_printed(found, printed_beside(file))
         return over_real_time(found) if options.clock is LogClock.REAL else found
 
 
@@ -185,6 +189,8 @@ def _recording(found: Found, name: str, sources: tuple[str, ...], options: ReadO
     t = np.asarray(found.t)
     if len(t) and np.isfinite(t[0]) and abs(t[0]) > 1e5:
         found = found.noted(f"time counted from the first pose, recorded as {t[0]:.3f} s")
+        if t[0] >= SINCE_1970:
+            found = replace(found, parameters={"first_pose_at": float(t[0]), **found.parameters})
         t = t - t[0]
     real_time = None
     if found.real_time is not None:

@@ -27,7 +27,10 @@ USELESS = 0.2
 _FEW = 10
 """Steps of which nothing is told."""
 
-_SINCE_1970 = {1e8: (1.0, "s"), 1e11: (1e-3, "ms"), 1e14: (1e-6, "µs"), 1e17: (1e-9, "ns")}
+SINCE_1970 = 1e8
+"""Seconds from which on a clock counts from 1970, since no run was logged before 1973."""
+
+_SINCE_1970 = {SINCE_1970: (1.0, "s"), 1e11: (1e-3, "ms"), 1e14: (1e-6, "µs"), 1e17: (1e-9, "ns")}
 """Seconds of one unit, by the smallest number that it has in 1973."""
 
 

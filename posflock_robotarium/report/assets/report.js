@@ -196,17 +196,29 @@ const style = (k) => (k + Math.floor(k / 6)) % 6; // a seventh run has the first
 
 /* A null before each gap, so that no line is drawn across it. */
 const breaks = data.gaps || [];
-const axis = [], source = [];
+const axis = [], source = [], real = data.real_time ? floats(data.real_time) : null, realAxis = [];
 {
   let next = 0;
   for (let k = 0; k < times.length; k++) {
     if (next < breaks.length && times[k] >= breaks[next] - 1e-3) {
-      if (k) { axis.push((times[k - 1] + times[k]) / 2); source.push(-1); }
+      if (k) { axis.push((times[k - 1] + times[k]) / 2); source.push(-1); if (real) realAxis.push((real[k - 1] + real[k]) / 2); }
       while (next < breaks.length && times[k] >= breaks[next] - 1e-3) next++;
     }
     axis.push(times[k]); source.push(k);
+    if (real) realAxis.push(real[k]);
   }
 }
+/* Curves are drawn over the log's own times or over real time; all else keeps the log's own. */
+let drawn = axis;
+function between(from, to, value) {
+  if (from === to) return value;
+  let low = 0, high = from.length - 1;
+  while (low < high - 1) { const m = (low + high) >> 1; if (from[m] <= value) low = m; else high = m; }
+  const length = from[high] - from[low];
+  return length > 0 ? to[low] + ((value - from[low]) / length) * (to[high] - to[low]) : to[low];
+}
+const shownAt = (time) => between(axis, drawn, time);
+const timeAt = (place) => between(drawn, axis, place);
 const indexAt = (time) => {
   let low = 0, high = axis.length - 1;
   while (low < high) { const m = (low + high + 1) >> 1; if (axis[m] <= time + 1e-6) low = m; else high = m - 1; }
@@ -256,7 +268,7 @@ function build(panel) {
       y: {
         range: (u, low, high) => {
           if (low === null) return [0, 1];
-          for (const [value] of panel.lines) { low = Math.min(low, value); high = Math.max(high, value); }
+          for (const [value, , always] of panel.lines) if (always) { low = Math.min(low, value); high = Math.max(high, value); }
           if (panel.limits[0] !== null) low = Math.min(low, panel.limits[0]);
           if (panel.limits[1] !== null) high = Math.max(high, panel.limits[1]);
           const room = (high - low || Math.abs(high) || 1) * 0.06;
@@ -273,10 +285,11 @@ function build(panel) {
       label: series.label, stroke: () => colour[tones[k % 6]], width: 1.7, dash: dashes[style(k)], spanGaps: false, points: { show: false },
     }))],
     hooks: {
-      setCursor: [(u) => { if (!quiet && !state.playing && u.cursor.left >= 0) seek(u.posToVal(u.cursor.left, "x"), { from: u }); }],
+      setCursor: [(u) => { if (!quiet && !state.playing && u.cursor.left >= 0) seek(timeAt(u.posToVal(u.cursor.left, "x")), { from: u }); }],
       setScale: [(u, key) => { if (!quiet && key === "x" && u.scales.x.min !== null) zoom([u.scales.x.min, u.scales.x.max], u); }],
       drawClear: [(u) => {
         const c = u.ctx;
+        drawDrive(u, c);
         for (const [value, label] of panel.lines) {
           const y = u.valToPos(value, "y", true);
           if (y < u.bbox.top || y > u.bbox.top + u.bbox.height) continue;
@@ -288,25 +301,38 @@ function build(panel) {
       }],
     },
   };
-  const plot = new uPlot(options, [axis, ...columns], holder);
-  plot.over.addEventListener("click", (event) => seek(plot.posToVal(event.offsetX, "x"), { from: plot, speak: true }));
-  plot.over.addEventListener("pointermove", (event) => { if (event.pointerType === "touch") seek(plot.posToVal(event.offsetX, "x"), { from: plot }); });
+  const plot = new uPlot(options, [drawn, ...columns], holder);
+  plot.over.addEventListener("click", (event) => seek(timeAt(plot.posToVal(event.offsetX, "x")), { from: plot, speak: true }));
+  plot.over.addEventListener("pointermove", (event) => { if (event.pointerType === "touch") seek(timeAt(plot.posToVal(event.offsetX, "x")), { from: plot }); });
   plots.push({ plot, holder, panel, columns, values });
+}
+/* The drive to the start is no part of the experiment: its time is shaded. */
+function drawDrive(u, c) {
+  if (data.drive === null) return;
+  const { left, top, width, height } = u.bbox, dot = devicePixelRatio;
+  const from = Math.max(left, u.valToPos(drawn[0], "x", true)), to = Math.min(left + width, u.valToPos(shownAt(data.drive), "x", true));
+  if (to <= from) return;
+  c.save();
+  c.globalAlpha = 0.6; c.fillStyle = colour.line; c.fillRect(from, top, to - from, height);
+  c.globalAlpha = 1; c.fillStyle = colour.soft; c.font = `${11 * dot}px system-ui, sans-serif`;
+  c.textAlign = "left"; c.textBaseline = "bottom";
+  c.fillText("drive to the start", from + 4 * dot, top + height - 3 * dot);
+  c.restore();
 }
 function moveCursors(from) {
   const index = indexAt(state.time);
   quiet = true;
   for (const { plot, columns, values } of plots) {
-    if (plot !== from) plot.setCursor({ left: plot.valToPos(state.time, "x"), top: plot.bbox.height / devicePixelRatio / 2 }, false);
+    if (plot !== from) plot.setCursor({ left: plot.valToPos(shownAt(state.time), "x"), top: plot.bbox.height / devicePixelRatio / 2 }, false);
     columns.forEach((column, k) => { values[k].textContent = number(column[index]); });
   }
   quiet = false;
 }
 function zoom(range, from) {
-  state.zoom = range && range[1] - range[0] < times[times.length - 1] - times[0] - 1e-6 ? range : null;
+  state.zoom = range && range[1] - range[0] < drawn[drawn.length - 1] - drawn[0] - 1e-6 ? range : null;
   quiet = true;
   for (const { plot } of plots)
-    if (plot !== from) plot.setScale("x", { min: state.zoom ? range[0] : axis[0], max: state.zoom ? range[1] : axis[axis.length - 1] });
+    if (plot !== from) plot.setScale("x", { min: state.zoom ? range[0] : drawn[0], max: state.zoom ? range[1] : drawn[drawn.length - 1] });
   quiet = false;
   $("unzoom").hidden = !state.zoom;
   requestAnimationFrame(() => moveCursors(null));
@@ -343,6 +369,13 @@ scrub.addEventListener("input", () => seek(begin() + (scrub.value / 1000) * (end
 scrub.addEventListener("change", announce);
 $("speed").addEventListener("change", (event) => { state.speed = Number(event.target.value); });
 for (const id of ["trails", "links", "labels"]) $(id).addEventListener("change", drawArena);
+if ($("axis")) $("axis").addEventListener("change", (event) => {
+  drawn = event.target.value === "real" ? realAxis : axis;
+  quiet = true;
+  for (const { plot, columns } of plots) plot.setData([drawn, ...columns]);
+  quiet = false;
+  zoom(null);
+});
 $("unzoom").addEventListener("click", () => zoom(null));
 $("theme").addEventListener("click", () => { chosen = document.documentElement.dataset.theme === "dark" ? "light" : "dark"; repaint(); });
 dark.addEventListener("change", repaint);
