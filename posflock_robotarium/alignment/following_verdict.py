@@ -12,6 +12,8 @@ QUESTION = "Did robots do as they were told?"
 OFF = 0.1
 """How far from 1 a gain may be before it is worth a warning: robots of one make differ by less."""
 
+_WORDS = {"speed": "speed", "turn": "turn rate"}
+
 
 def following_verdict(v: Mapping[str, float]) -> Iterator[RunVerdict]:
     """Judge how robots followed their commands; nothing where no log tells it.
@@ -22,18 +24,14 @@ def following_verdict(v: Mapping[str, float]) -> Iterator[RunVerdict]:
         Values of the numbers by key.
     """
     speed, turn = (v.get(f"{key}_gain", math.nan) for key in ("speed", "turn"))
-    told = [
-        _told(v, key, words)
-        for key, words, gain in (("speed", "speed", speed), ("turn", "turn rate", turn))
-        if not math.isnan(gain)
-    ]
-    if not told:
+    if math.isnan(speed) and math.isnan(turn):
         return
-    because = f"{'; '.join(told)}. Being late (dead time, lag) is not counted."
-    because = because[0].upper() + because[1:]
+    told = "; ".join(_told(v, key, words) for key, words in _WORDS.items())
+    because = f"{told[0].upper()}{told[1:]}. Being late (dead time, lag) is not counted."
     off = [gain for gain in (speed, turn) if ties.beyond(abs(gain - 1), OFF)]
     if not off:
-        yield RunVerdict(QUESTION, Mark.GOOD, "Yes, in speed and turn rate.", because)
+        known = [words for key, words in _WORDS.items() if v[f"{key}_gain_robots"]]
+        yield RunVerdict(QUESTION, Mark.GOOD, f"Yes, in {' and '.join(known)}.", because)
     elif speed in off:
         answer = f"No: they drove {speed:.2f} of the speed they were told."
         yield RunVerdict(QUESTION, Mark.CAUTION, answer, because)
@@ -43,5 +41,9 @@ def following_verdict(v: Mapping[str, float]) -> Iterator[RunVerdict]:
 
 
 def _told(v: Mapping[str, float], key: str, words: str) -> str:
+    known, robots = int(v[f"{key}_gain_robots"]), int(v["robots"])
+    if not known:
+        return f"the {words} gain of no robot is determined: commands vary too little"
     low, high = v[f"{key}_gain_smallest"], v[f"{key}_gain_largest"]
-    return f"the {words} gain is {v[f'{key}_gain']:.2f} ({low:.2f} to {high:.2f} over robots)"
+    of = "robots" if known == robots else f"{known} of {robots} robots, the others say too little"
+    return f"the {words} gain is {v[f'{key}_gain']:.2f} ({low:.2f} to {high:.2f} over {of})"

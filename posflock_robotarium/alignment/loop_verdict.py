@@ -14,7 +14,7 @@ DRIFT = 0.02
 
 
 def loop_verdict(recording: Run, v: Mapping[str, float]) -> Iterator[RunVerdict]:
-    """Judge the times of steps; nothing where they were only counted.
+    """Judge the times of steps; nothing where they were counted, or are no loop's but a tracker's.
 
     Parameters
     ----------
@@ -23,7 +23,7 @@ def loop_verdict(recording: Run, v: Mapping[str, float]) -> Iterator[RunVerdict]
     v : mapping of float
         Values of the numbers by key, s.
     """
-    if "step_longest" not in v:
+    if "step_longest" not in v or (recording.real_time is None and recording.commands is None):
         return
     because = (
         f"Steps took {1e3 * v['step_mean']:.1f} ms on average (median "

@@ -22,7 +22,9 @@ LARGEST = 16 << 20
 _STAMPED = re.compile(r"^\[\w+\] \[(\d{9,12}(?:\.\d+)?)\] \[robotarium\]: *(.*)$")
 _INITIALISING = re.compile(r"^Initializing (\d+) robots? to initial conditions")
 _ARRIVED, _STARTED = "At initial conditions", "Starting Experiment"
-_COLLISION = re.compile(r"^\s*Collision Detected!\s*\n?\s*Stopping experiment", re.MULTILINE)
+_COLLISION = re.compile(
+    r"^[ \t]*Collision Detected![ \t]*\r?\n[ \t]*Stopping experiment", re.MULTILINE
+)
 _INTERRUPT = re.compile(r"^KeyboardInterrupt\b", re.MULTILINE)
 _ERROR = re.compile(r"^(?:\w+\.)*\w*(?:Error|Exception)\b.*$", re.MULTILINE)
 #: Seconds beyond which no line tells the time of a run.

@@ -30,6 +30,7 @@ from posflock_robotarium.figures.style import (
     new_figure,
     save,
 )
+from posflock_robotarium.report.following_figure import following_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -83,6 +84,8 @@ def draw(analyses: Sequence[Analysis], folder: Path) -> list[Path]:
         for name, shown in figures().items():
             if any(metric.key in run.curves for metric in shown):
                 drawn.setdefault(name, partial(curves, run, name))
+        if run.following is not None and not run.following.refused:
+            drawn["following"] = partial(following_figure, run.following)
     else:
         drawn = {"runs": lambda: runs(analyses)}
     return [path for name, draw_one in drawn.items() for path in save(draw_one(), folder, name)]

@@ -21,6 +21,7 @@ from posflock_robotarium.alignment.catalogue import Number, panels, scalars
 from posflock_robotarium.alignment.comparison import Comparison, compare
 from posflock_robotarium.alignment.verdicts import headline
 from posflock_robotarium.flocking.errors import ParameterError
+from posflock_robotarium.report.following_page import following_section
 from posflock_robotarium.report.page_data import EVENTS_SHOWN, page_data
 from posflock_robotarium.report.words import number_text, unbroken
 from rps_compat.whole_files import write_whole
@@ -59,6 +60,7 @@ def render(analyses: Sequence[Analysis], comparison: Comparison | None = None) -
     )
     environment.filters["number"] = number_text
     environment.filters["unbroken"] = unbroken
+    environment.filters["drawing"] = _markup
     if comparison is None and len(analyses) > 1:
         comparison = compare(analyses)
     scripts = [_asset("uPlot.iife.min.js"), _asset("report.js")]
@@ -72,6 +74,7 @@ def render(analyses: Sequence[Analysis], comparison: Comparison | None = None) -
         groups=_groups(analyses[0]),
         headline=headline(analyses[0].verdicts) if comparison is None else _spoken(comparison),
         faults=_faults(analyses[0]) if comparison is None else [],
+        following=following_section(analyses[0].following) if comparison is None else None,
         parameters=[_pretty(a) for a in analyses],
         data=_markup(_json(asdict(page_data(analyses)))),
         scripts=[_markup(script) for script in scripts],

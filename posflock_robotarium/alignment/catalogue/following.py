@@ -25,6 +25,14 @@ def _gain(turn: bool, reduce: Reduce) -> NumberFunction:
     return number
 
 
+def _known(turn: bool) -> NumberFunction:
+    def number(run: MeasuredRun) -> int | None:
+        found = run.once(following_of)
+        return None if found is None or found.refused else len(found.gains(turn))
+
+    return number
+
+
 def _gains(key: str, words: str, turn: bool) -> tuple[Scalar, ...]:
     return (
         Scalar(
@@ -51,6 +59,14 @@ def _gains(key: str, words: str, turn: bool) -> tuple[Scalar, ...]:
             "Of these robots.",
             "Motion",
             _gain(turn, np.max),
+        ),
+        Scalar(
+            f"{key}_gain_robots",
+            f"robots with a {words} gain",
+            "",
+            "Robots whose commands and motion say enough; the others have none.",
+            "Motion",
+            _known(turn),
         ),
     )
 
