@@ -51,7 +51,10 @@ def seeds(folder: Path) -> list[Path]:
     header = "t," + ",".join(f"{s}{i}" for i in range(1, 5) for s in ("x", "y", "theta"))
     with PoseLog(folder / "log", 4, len(t), {"neighbour_radius": 0.75, "seed": 1}) as log:
         for k in range(len(t)):
-            log.append(t[k], poses[k], np.zeros((2, 4)), status="optimal", intervention=0.0)
+            sent = np.zeros((2, 4))
+            log.append(
+                t[k], poses[k], sent, real_time=1.04 * t[k], status="optimal", intervention=0.0
+            )
     np.save(folder / "plain.npy", poses)
     np.save(folder / "flat.npy", flat)
     np.savez(folder / "stored.npz", t=t, poses=poses)

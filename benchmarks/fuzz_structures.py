@@ -56,7 +56,7 @@ def array(rng: Rng) -> np.ndarray[Any, Any]:
 def names(rng: Rng) -> list[str]:
     """Return what the arrays of a file are called."""
     known = ["t", "time", "poses", "x", "y", "theta", "dt", "command", "status", "intervention",
-             "clearance", "posflock_parameters", "Poses", "a/b", "é", ".."]  # fmt: skip
+             "clearance", "real_time", "posflock_parameters", "Poses", "a/b", "é"]  # fmt: skip
     return list(rng.choice(known, size=int(rng.integers(0, 6)), replace=False))
 
 
@@ -181,10 +181,12 @@ def sidecar(rng: Rng, work: Path) -> Path:
 
     with PoseLog(work / "file", 2, 40) as log:
         for k in range(40):
-            log.append(0.1 * k, [[0.01 * k] * 2, [0.0, 0.3], [0.0] * 2], np.zeros((2, 2)))
+            poses = [[0.01 * k] * 2, [0.0, 0.3], [0.0] * 2]
+            log.append(0.1 * k, poses, np.zeros((2, 2)), real_time=0.11 * k)
     said = json.loads(log.sidecar.read_text())
     for _ in range(int(rng.integers(1, 4))):
-        key = pick(rng, [*said, "robot", "simulated", "duration", "neighbour_radius", "walls"])
+        named = ["robot", "simulated", "duration", "neighbour_radius", "walls", "drive"]
+        key = pick(rng, [*said, *named])
         said[key] = pick(rng, (*ABSURD, {"how": pick(rng, ABSURD), "rows": pick(rng, ABSURD)}))
     text = json.dumps(said if rng.random() < 0.9 else pick(rng, ABSURD))
     if rng.random() < 0.1:

@@ -66,6 +66,7 @@ def write_log(folder: Path, share: float) -> Path:
     samples = round(share * LONGEST_SECONDS / STEP)
     rows = np.zeros(samples, dtype=row_type(ROBOTS))
     rows["t"] = STEP * np.arange(samples)
+    rows["real_time"] = np.cumsum(STEP + 0.001 * rng.random(samples))
     heading = rng.uniform(-np.pi, np.pi, ROBOTS) + np.cumsum(
         0.05 * rng.standard_normal((samples, ROBOTS)), axis=0
     )

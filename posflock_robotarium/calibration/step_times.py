@@ -97,7 +97,7 @@ class StepTimes:
                 " measured one. Loops of hardware that were written for 33 ms took"
                 f" {1e3 * MEASURED_MEANS[0]:.1f} to {1e3 * MEASURED_MEANS[1]:.1f} ms on average;"
                 f" where this one did, too, robots seem {low:.0f} to {high:.0f} % faster than they"
-                " were. Give what you know with --dt (the mean) or --step-times"
+                " were. Give posflock calibrate what you know, with --dt (the mean) or --step-times"
             )
         if self.hidden:
             lost = sum(length for _, length in self.hidden)

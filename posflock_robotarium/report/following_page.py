@@ -118,6 +118,8 @@ def following_section(found: Following | None) -> FollowingSection | None:
         for n, (speed, turn) in enumerate(zip(found.speed, found.turn, strict=True))
     )
     notes = tuple(f"{note[0].upper()}{note[1:]}." for note in found.notes)
+    if notes and found.first > 0:
+        summary += f" Times below count from {found.first:.1f} s."
     return FollowingSection(summary, drawings, rows, notes)
 
 
@@ -237,4 +239,4 @@ def _ticks(low: float, high: float) -> list[float]:
 
 
 def _number(value: float) -> str:
-    return f"{value:.4g}".replace("-", "−")
+    return f"{value + 0.0:.4g}".replace("-", "−")

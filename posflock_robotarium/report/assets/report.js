@@ -371,10 +371,10 @@ $("speed").addEventListener("change", (event) => { state.speed = Number(event.ta
 for (const id of ["trails", "links", "labels"]) $(id).addEventListener("change", drawArena);
 if ($("axis")) $("axis").addEventListener("change", (event) => {
   drawn = event.target.value === "real" ? realAxis : axis;
-  quiet = true;
+  const time = state.time;
+  quiet = true; // plots move their cursors once they are drawn again, which is no wish to go there
   for (const { plot, columns } of plots) plot.setData([drawn, ...columns]);
-  quiet = false;
-  zoom(null);
+  requestAnimationFrame(() => { zoom(null); seek(time); });
 });
 $("unzoom").addEventListener("click", () => zoom(null));
 $("theme").addEventListener("click", () => { chosen = document.documentElement.dataset.theme === "dark" ? "light" : "dark"; repaint(); });
