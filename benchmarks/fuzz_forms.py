@@ -172,13 +172,19 @@ def zipped(rng: Rng, work: Path) -> Path:
             made: Sheet = pick(rng, SHEETS)()
             spoil(rng, made.lines)
             plain = f"robot{k}{made.ending}"
-            strange = ("../x.csv", "/etc/x.csv", "C:\\x.csv", "a/robot0.csv", "x\x1b.csv",
-                       "__MACOSX/x.csv", "é" * 120 + ".csv", "CON.csv", "x.csv/", "x.npy")  # fmt: skip
+            strange = ("../x.csv", "/etc/x.csv", "C:\\x.csv", "a/robot0.csv", "x\x1b.csv", "x.npy",
+                       "__MACOSX/x.csv", "é" * 120 + ".csv", "CON.csv", "x.csv/")  # fmt: skip
             name = plain if rng.random() < 0.6 else pick(rng, strange)
             archive.writestr(name, made.text().encode(errors="replace"))
         if rng.random() < 0.1:
-            archive.writestr("large.csv", bytes(300 << 20), zipfile.ZIP_DEFLATED)
-        if rng.random() < 0.1:
             for k in range(300):
                 archive.writestr(f"many{k}.csv", b"t,x,y,theta\n0,0,0,0\n1,0,0,0\n")
+    if rng.random() < 0.2:  # the first member claims another size, in both of its headers
+        content = bytearray(path.read_bytes())
+        size = int(pick(rng, (0, 1, 300 << 20, 2**32 - 1))).to_bytes(4, "little")
+        for mark, offset in ((b"PK\x03\x04", 22), (b"PK\x01\x02", 24)):
+            at = content.find(mark) + offset
+            if at >= offset:
+                content[at : at + 4] = size
+        path.write_bytes(content)
     return path
