@@ -6,7 +6,7 @@ import sys
 import pytest
 
 FORKS = """
-import os, signal, time
+import os, resource, signal, time  # all before it is another user
 from rps_compat.running import limits
 
 if os.getuid() == 0:  # whom the kernel does not hold
