@@ -78,8 +78,8 @@ class Account:
     wrong : list of str
         What must not be, in words.
     seconds, memory : tuple of (float, str)
-        The longest CPU time that a file took to be made and read, s, and the most that a child had in
-        memory, MiB, each with the file.
+        The longest CPU time that making and reading a file took, s, and the most that a child had
+        in memory, MiB, each with the file.
     """
 
     outcomes: Counter[str] = field(default_factory=Counter)
