@@ -29,10 +29,11 @@ from comparing import Table
 
 KILLS = 500
 SIGNALS = (signal.SIGTERM, signal.SIGHUP, signal.SIGINT, signal.SIGKILL)
-#: Seconds that a signalled command may take to end, and its keeper to clean up.
-PATIENCE = 20.0
-#: One start in so many is let run to its end.
-WHOLE_RUNS = 10
+#: Seconds that a signalled command may take to end, and its keeper to clean up, on a machine with
+#: other work: a sweep first writes its tables and figures.
+PATIENCE = 120.0
+#: One start in so many is let run to its end, and after so many it is told how far this is.
+WHOLE_RUNS, TOLD = 10, 20
 ROOT = Path(__file__).parents[1]
 EXPERIMENT = ROOT / "experiments" / "robotarium_9bot.py"
 
@@ -47,11 +48,11 @@ if sys.argv[1:] and __name__ == "__main__":  # as posflock run is asked to: proc
     multiprocessing.get_context("spawn").Process(target=time.sleep, args=(60,), daemon=True).start()
 r = Robotarium(number_of_robots=2, show_figure=False, initial_conditions=np.array(
     [[-0.5, 0.5], [0.0, 0.0], [0.0, 0.0]]))
-for k in range(3000):
+for k in range(400):
     r.get_poses()
     r.set_velocities(np.arange(2), np.array([[0.0, 0.0], [0.5, 0.5]]))
     r.step()
-    if k % 100 == 0:
+    if k % 50 == 0:
         np.save("now.npy", np.full(3, float(k)))
 r.debug()
 if sys.argv[1:]:  # Python would leave it running
@@ -59,15 +60,15 @@ if sys.argv[1:]:  # Python would leave it running
 """
 STUDY = """\
 experiment = "freespace"
-replications = 10
+replications = 5
 
 [parameters]
 agents = 9
 side = 4.0
-duration = 10.0
+duration = 2.0
 
 [grid]
-persistence = [0.1, 0.2, 0.3, 0.4]
+persistence = [0.1, 0.2]
 """
 
 
@@ -83,6 +84,7 @@ class Command:
     seconds: float = 0.0
     starts: int = 0
     kills: int = 0
+    longest: float = 0.0
     faults: list[str] = field(default_factory=list)
 
     @property
@@ -147,12 +149,14 @@ class Command:
             self.faults.append(f"lost: {before} results, now {self.count(self.place)}, {where}")
 
     def _end(self, process: subprocess.Popen[bytes], sent: int, as_terminal: bool) -> None:
+        begun = time.monotonic()
         if as_terminal and sent != signal.SIGKILL:
             os.killpg(process.pid, sent)
         else:
             process.send_signal(sent)
         try:
             process.wait(PATIENCE)
+            self.longest = max(self.longest, time.monotonic() - begun)
         except subprocess.TimeoutExpired:
             self.faults.append(f"went on after {signal.Signals(sent).name}")
             process.kill()
@@ -232,7 +236,7 @@ def bundles_of(place: Path) -> int:
 def commands(place: Path) -> list[Command]:
     """Return the commands that are killed, each with a folder of its own."""
     run = ["run", "--headless", "-o", "out", "main.py", "children"]
-    verify = ["verify", "main.py", "-n", "2", "-o", "out"]
+    verify = ["verify", "main.py", "-n", "1", "-o", "out"]
     return [
         Command("run", place / "run", lambda at, k: run),
         Command("verify", place / "verify", lambda at, k: verify),
@@ -248,7 +252,7 @@ def commands(place: Path) -> list[Command]:
 def fresh_study(place: Path, start: int) -> str:
     """Return a study that has a little more to compute at every start."""
     path = place / "study.toml"
-    path.write_text(STUDY.replace("= 10", f"= {10 + start}"))
+    path.write_text(STUDY.replace("= 5", f"= {5 + start}"))
     return path.name
 
 
@@ -273,7 +277,8 @@ def main() -> int:
     for command in chosen:
         kinds = Counter(fault.partition(":")[0].partition(",")[0] for fault in command.faults)
         said = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
-        beside = f"{command.seconds:.1f} s a run" + (f"; {said}" if said else "")
+        beside = f"{command.seconds:.1f} s a run, ends within {command.longest:.1f} s"
+        beside += f"; {said}" if said else ""
         print(f"  {command.name:9} {command.kills:4} kills, {command.starts} starts ({beside})")
         for fault in command.faults[:5]:
             print(f"    {fault}")
@@ -301,6 +306,9 @@ def work(command: Command, kills: int, seed: int) -> None:
                 command.let_run()
             else:
                 command.kill(rng)
+            if command.starts % TOLD == 0:
+                told = f"{command.kills} kills, {len(command.faults)} faults"
+                print(f"    {command.name}: {told}", file=sys.stderr, flush=True)
     except Exception as error:
         command.faults.append(f"next start: {type(error).__name__}: {error}")
 

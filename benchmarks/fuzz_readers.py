@@ -1,40 +1,21 @@
 """Twenty thousand damaged files: a named error or a sound recording, no crash, hang or gigabytes.
 
 Files of every kind that the readers know are damaged (bytes flipped, cut, doubled, spliced, numbers
-in headers changed) and read in child processes with a limit on memory and time. A child that dies
-is a crash or a hang of the reader: it is counted, the file is kept, and the rest goes on.
+in headers changed) and read under the limits of `fuzzing`.
 
-    python benchmarks/fuzz_readers.py [FILES] [--keep FOLDER] [--seed N]
+    python benchmarks/fuzz_readers.py [FILES] [--first N] [--keep FOLDER] [--seed N]
 """
 
 from __future__ import annotations
 
-import argparse
-import os
-import resource
-import shutil
-import signal
 import sys
-import tempfile
-import time
-import traceback
-import warnings
-from collections import Counter
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from fuzzing import One, attempt, main_of
+from sound_logs import write_trackers
 
 FILES = 20_000
-BATCH = 400
-MOST_MEMORY = 2 << 30
-"""Bytes of address space of a child, libraries included: what a damaged header may not take."""
-
-MOST_SECONDS = 20
-"""For one file, on a machine with other work; sound files of this size take milliseconds."""
-
-STEP = 0.033
-GOOD = ("named error", "recording")
 
 
 def seeds(folder: Path) -> list[Path]:
@@ -70,6 +51,7 @@ def seeds(folder: Path) -> list[Path]:
     rows += [f"{t[k]:.4f};{i};{poses[k, 0, i]:.5f};{poses[k, 1, i]:.5f};{poses[k, 2, i]:.5f}"
              for k in range(len(t)) for i in range(4)]  # fmt: skip
     (folder / "long.csv").write_text("\n".join(rows))
+    write_trackers(folder)
     return sorted(path for path in folder.iterdir())
 
 
@@ -109,31 +91,10 @@ def damage(content: bytes, other: bytes, rng: np.random.Generator) -> bytes:
     return bytes(data)
 
 
-def attempt(path: Path) -> str:
-    """Read one file; return how it went."""
-    from posflock_robotarium.flocking.errors import PosflockError
-    from posflock_robotarium.report import ReadOptions, read
-
-    try:
-        recording = read(path, ReadOptions(dt=STEP))
-    except PosflockError as error:
-        return "named error" if path.stem in str(error) else f"nameless error: {error}"
-    except Exception as error:
-        return f"unnamed {type(error).__name__}: {error}"
-    sound = (
-        np.isfinite(recording.poses).all()
-        and (np.diff(recording.t) > 0).all()
-        and recording.poses.shape == (len(recording.t), 3, recording.robots)
-    )
-    return "recording" if sound else "unsound recording"
-
-
-One = Callable[[int, Path], tuple[str, str]]
-"""Makes one damaged file in a folder and reads it; returns its name, and how it went."""
-
-
-def damaged(originals: list[Path], seed: int) -> One:
-    """Return what damages the bytes of sound files and reads them."""
+def damaged(folder: Path, seed: int) -> One:
+    """Return what damages the bytes of sound files, which are written into a folder, and reads."""
+    (folder / "seeds").mkdir()
+    originals = seeds(folder / "seeds")
     contents = {path: path.read_bytes() for path in originals}
 
     def one(number: int, work: Path) -> tuple[str, str]:
@@ -152,94 +113,5 @@ def damaged(originals: list[Path], seed: int) -> One:
     return one
 
 
-def child(numbers: range, one: One, folder: Path, keep: Path | None, pipe: int) -> None:
-    """Make and read some files; tell each outcome before the next is begun."""
-    resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    warnings.simplefilter("error")
-    work = folder / "work"
-    for number in numbers:
-        shutil.rmtree(work, ignore_errors=True)
-        work.mkdir()
-        signal.alarm(MOST_SECONDS)
-        name, outcome = one(number, work)
-        signal.alarm(0)
-        if outcome not in GOOD:
-            _keep(folder, keep, number)
-        os.write(pipe, f"{number}\t{name}\t{outcome[:300]!r}\n".encode())
-
-
-def run(files: int, one: One, folder: Path, keep: Path | None) -> tuple[Counter[str], list[str]]:
-    """Read every damaged file; return outcomes, and what went wrong in words."""
-    outcomes: Counter[str] = Counter()
-    wrong: list[str] = []
-    attempt(Path("nothing"))  # imports happen before the fork, not in every child
-    import h5py  # noqa: F401
-    import scipy.io  # noqa: F401
-
-    number = 0
-    while number < files:
-        last = min(number + BATCH, files)
-        reader, writer = os.pipe()
-        process = os.fork()
-        if process == 0:
-            os.close(reader)
-            try:
-                child(range(number, last), one, folder, keep, writer)
-            except BaseException:
-                traceback.print_exc()
-            finally:
-                os._exit(0)
-        os.close(writer)
-        with os.fdopen(reader) as told:
-            for line in told:
-                done, name, outcome = line.rstrip("\n").split("\t", 2)
-                number = int(done) + 1
-                kind = outcome.strip("'\"").split(":")[0]
-                outcomes[kind] += 1
-                if kind not in GOOD:
-                    wrong.append(f"file {done} ({name}): {outcome}")
-        _, status = os.waitpid(process, 0)
-        if number < last:
-            how = signal.Signals(os.WTERMSIG(status)).name if os.WIFSIGNALED(status) else "exit"
-            kind = "hang" if how == "SIGALRM" else f"crash {how}"
-            outcomes[kind] += 1
-            wrong.append(f"file {number}: {kind}")
-            _keep(folder, keep, number)
-            number += 1
-    return outcomes, wrong
-
-
-def _keep(folder: Path, keep: Path | None, number: int) -> None:
-    if keep is not None and (folder / "work").is_dir():
-        shutil.copytree(folder / "work", keep / str(number), dirs_exist_ok=True)
-
-
-def main() -> int:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("files", nargs="?", type=int, default=FILES)
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--keep", type=Path, help="folder for files that were read wrongly")
-    options = parser.parse_args()
-    begun = time.perf_counter()
-    with tempfile.TemporaryDirectory() as place:
-        folder = Path(place)
-        (folder / "seeds").mkdir()
-        one = damaged(seeds(folder / "seeds"), options.seed)
-        outcomes, wrong = run(options.files, one, folder, options.keep)
-    return tell(outcomes, wrong, time.perf_counter() - begun, FILES)
-
-
-def tell(outcomes: Counter[str], wrong: list[str], took: float, required: int) -> int:
-    """Print how it went, and return the exit code."""
-    print(f"{sum(outcomes.values())} damaged files in {took:.0f} s, required {required}")
-    for kind, count in outcomes.most_common():
-        print(f"  {count:6d}  {kind}")
-    for line in wrong[:20]:
-        print(line)
-    print(f"read wrongly: {len(wrong)}, at most 0")
-    return 1 if wrong else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main_of(__doc__, FILES, damaged))

@@ -2,19 +2,17 @@
 
 Where `fuzz_readers` damages bytes, this writes with the formats' own libraries what no program of
 ours would: arrays of other types and shapes, archives with members of wrong kinds, HDF5 with links,
-tables with cells missing, doubled or absurd, descriptions with values of other types, studies,
-profiles and manifests with wrong keys and values. Each is read under the same limits.
+tables with cells missing, doubled or absurd, bags and MCAP with other messages (`fuzz_forms`),
+descriptions with values of other types, studies, profiles and manifests with wrong keys and values.
+Each is read under the same limits, some with options that do not fit.
 
-    python benchmarks/fuzz_structures.py [FILES] [--keep FOLDER] [--seed N]
+    python benchmarks/fuzz_structures.py [FILES] [--first N] [--keep FOLDER] [--seed N]
 """
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
-import tempfile
-import time
 import warnings
 import zipfile
 from collections.abc import Callable
@@ -22,18 +20,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from fuzz_readers import attempt, run, tell
+from fuzz_forms import ABSURD, Rng, mcap, pick, ros_bag, sheet, spoil, zipped
+from fuzzing import NAMED_ERROR, RECORDING, One, attempt, main_of
 
 FILES = 2_000
-Rng = np.random.Generator
-
-ABSURD = (0, -1, 1, 2**31, 2**63, 10**40, 1e308, -1e308, float("nan"), float("inf"), "", "x", None,
-          True, [], {}, [[]], "\x1b[2J", "../../etc/passwd", "é" * 300)  # fmt: skip
-
-
-def pick(rng: Rng, options: Any) -> Any:
-    """Return one of some options, as it is."""
-    return options[int(rng.integers(0, len(options)))]
 
 
 def array(rng: Rng) -> np.ndarray[Any, Any]:
@@ -152,20 +142,7 @@ def table(rng: Rng, work: Path) -> Path:
         [f"{0.1 * k:.3f}", *(f"{v:.3f}" for v in rng.normal(size=3 * robots))] for k in range(9)
     ]
     lines = [head, *rows] if rng.random() < 0.7 else rows
-    for _ in range(int(rng.integers(0, 4))):
-        line = lines[int(rng.integers(0, len(lines)))]
-        at = int(rng.integers(0, len(line))) if line else 0
-        change = int(rng.integers(0, 5))
-        if change == 0 and line:
-            del line[at]
-        elif change == 1:
-            line.insert(at, pick(rng, ("1e308", "nan", "", '"', "1_0", "0x10", "1e999", "٣", "\0")))
-        elif change == 2 and line:
-            line[at] = pick(rng, ("t", "inf", "-", "1,5", "#", "'", '"1"', "9" * 5000))
-        elif change == 3:
-            lines.insert(int(rng.integers(0, len(lines))), list(line))
-        else:
-            lines.append([])
+    spoil(rng, lines)
     end = pick(rng, ("\n", "\r\n", "\r", "\u2028"))
     text = end.join(mark.join(line) for line in lines) + pick(rng, ("", end))
     if rng.random() < 0.3:
@@ -270,52 +247,58 @@ def _sound_manifest(path: Path) -> object:
 
 
 Make = Callable[[Rng, Path], Path]
-LOGS: tuple[Make, ...] = (npy, npz, mat, hdf5, table)
+LOGS: tuple[Make, ...] = (npy, npz, mat, hdf5, table, sheet, sheet, mcap, ros_bag, zipped)
 OTHERS: dict[Make, Callable[[Path], object]] = {
     sidecar: _analysed, study: _sound_study, profile: _sound_profile, manifest: _sound_manifest,
 }  # fmt: skip
 
 
-def structured(seed: int) -> Callable[[int, Path], tuple[str, str]]:
+def options(rng: Rng) -> dict[str, Any]:
+    """Return what somebody says about a log, mostly nothing."""
+    from posflock_robotarium.logs.readers import Lengths, LogClock
+
+    said: dict[str, Any] = {}
+    if rng.random() < 0.2:
+        said["units"] = pick(rng, tuple(Lengths))
+        said["degrees"] = bool(rng.random() < 0.5)
+    if rng.random() < 0.2:
+        said["clock"] = pick(rng, tuple(LogClock))
+        said["drop_damaged"] = bool(rng.random() < 0.5)
+    if rng.random() < 0.2:
+        said["array"] = pick(rng, ("/r1/pose", "poses", "x", "", "é"))
+    if rng.random() < 0.2:
+        said["columns"] = pick(rng, ("state", "robot", "t,x1,y1,theta1", "t,x1,y1", "-", ",", "é"))
+    return said
+
+
+def structured(folder: Path, seed: int) -> One:
     """Return what writes a file that is wrong in what it says, and reads it."""
     from barrier_certificates.certificate_errors import PosflockError
 
     makers = (*LOGS, *OTHERS)
 
     def one(number: int, work: Path) -> tuple[str, str]:
-        make = makers[number % len(makers)]
+        make, rng = makers[number % len(makers)], np.random.default_rng([seed, number])
         with warnings.catch_warnings():  # of libraries that are asked to write nonsense
             warnings.simplefilter("ignore")
-            path = make(np.random.default_rng([seed, number]), work)
+            path = make(rng, work)
         if make not in OTHERS:
-            return make.__name__, attempt(path)
+            return make.__name__, attempt(path, **options(rng))
         try:
             OTHERS[make](path)
         except PosflockError as error:
             named = path.stem in str(error)
-            return make.__name__, "named error" if named else f"nameless error: {error}"
+            return make.__name__, NAMED_ERROR if named else f"nameless error: {error}"
         except Exception as error:
             return make.__name__, f"unnamed {type(error).__name__}: {error}"
-        return make.__name__, "recording"
+        return make.__name__, RECORDING
 
+    # What is imported for the first of each kind is not to be imported in every child.
+    for number in range(len(makers)):
+        (folder / str(number)).mkdir()
+        one(number, folder / str(number))
     return one
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("files", nargs="?", type=int, default=FILES)
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--keep", type=Path, help="folder for files that were read wrongly")
-    options = parser.parse_args()
-    begun = time.perf_counter()
-    with tempfile.TemporaryDirectory() as place:
-        one = structured(options.seed)
-        # What is imported for the first of each kind is not to be imported in every child.
-        for number in range(len(LOGS) + len(OTHERS)):
-            one(number, Path(place))
-        outcomes, wrong = run(options.files, one, Path(place), options.keep)
-    return tell(outcomes, wrong, time.perf_counter() - begun, FILES)
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main_of(__doc__, FILES, structured))

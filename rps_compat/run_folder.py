@@ -1,12 +1,11 @@
 """The folder that a run writes into: one run at a time, so that no file is of two runs."""
 
-import contextlib
 import os
 from pathlib import Path
 
 from barrier_certificates import file_lock
 from rps_compat.errors import ScriptError
-from rps_compat.whole_files import listed_in, remove_listed
+from rps_compat.whole_files import listed_in, remove_earlier, remove_listed
 
 #: How a run went, as text and as data: files of its folder.
 REPORT_TEXT, REPORT_DATA = "report.txt", "report.json"
@@ -70,10 +69,13 @@ def forget_report(folder: Path) -> None:
     ----------
     folder : Path
         Of the run; it need not be there.
+
+    Raises
+    ------
+    OutputError
+        Where an earlier report cannot be removed.
     """
-    for name in (REPORT_TEXT, REPORT_DATA):
-        with contextlib.suppress(OSError):
-            (folder / name).unlink()
+    remove_earlier(folder, (REPORT_TEXT, REPORT_DATA))
 
 
 def forget_run(folder: Path) -> None:
@@ -83,6 +85,11 @@ def forget_run(folder: Path) -> None:
     ----------
     folder : Path
         Of both runs. What lies elsewhere stays, whatever the report says.
+
+    Raises
+    ------
+    OutputError
+        Where the report cannot be removed.
     """
     remove_listed(folder, listed_in(folder / REPORT_DATA))
     forget_report(folder)

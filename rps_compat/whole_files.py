@@ -11,6 +11,7 @@ must outlive a kill, and the segments of a sweep's store, which are appended to.
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import itertools
 import json
 import os
@@ -134,6 +135,48 @@ def listed_in(report: Path) -> list[str]:
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return []
     return [str(name) for name in listed] if isinstance(listed, list) else []
+
+
+def sum_of(path: Path) -> str:
+    """Return the sha256 sum of a file, by which a file beside it tells whether it means this one.
+
+    Parameters
+    ----------
+    path : Path
+        The file, of any size.
+
+    Raises
+    ------
+    OSError
+        Where it cannot be read.
+    """
+    digest = hashlib.sha256()
+    with path.open("rb") as file:
+        while block := file.read(1 << 20):
+            digest.update(block)
+    return digest.hexdigest()
+
+
+def remove_earlier(folder: Path, names: Iterable[str]) -> None:
+    """Remove what an earlier call told of itself: it is not what the one that begins will tell.
+
+    Parameters
+    ----------
+    folder : Path
+        Where both write; it need not be there.
+    names : iterable of str
+        Files of that folder, which need not be there either.
+
+    Raises
+    ------
+    OutputError
+        Where one cannot be removed.
+    """
+    try:
+        for name in names:
+            (folder / name).unlink(missing_ok=True)
+    except OSError as error:
+        raise OutputError(f"{folder}: an earlier {name} cannot be removed: {error}") from error
 
 
 def remove_listed(folder: Path, names: Iterable[str]) -> None:

@@ -73,3 +73,22 @@ def test_robots_that_were_never_seen_together_are_no_run(tmp_path):
 def test_a_folder_without_logs_says_so(tmp_path):
     with pytest.raises(LogError, match="no log in it"):
         read(tmp_path)
+
+
+@pytest.mark.parametrize("packed", [True, False])
+@pytest.mark.parametrize(
+    ("damaged", "told"),
+    [
+        ("time,x,y,theta\n0,0,0,0\n0.1,0,0\n0.2,0,0,0\n", r"run(\.zip)?/robot_1\.csv: line 3: "),
+        ("t,x1,y1,theta1,x2,y2,theta2\n0,0,0,0,1,1,0\n0.1,0,0,0,1,1,0\n", r"run(\.zip)?: parts of"),
+    ],
+)
+def test_what_is_wrong_in_a_zip_is_told_by_its_name_in_there(tmp_path, packed, damaged, told):
+    files = folder_of(tmp_path / "run")
+    files[1].write_text(damaged)
+    with zipfile.ZipFile(tmp_path / "run.zip", "w") as archive:
+        for file in files:
+            archive.write(file, file.name)
+    with pytest.raises(LogError, match=told) as failure:
+        read(tmp_path / ("run.zip" if packed else "run"))
+    assert "unpack" not in str(failure.value)

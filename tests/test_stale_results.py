@@ -1,5 +1,6 @@
 """What an earlier run left never passes for a later one's, nor half a file for a whole one."""
 
+import hashlib
 import json
 import shutil
 from dataclasses import replace
@@ -140,6 +141,35 @@ def test_a_second_run_that_cannot_begin_leaves_the_data_and_no_report(tmp_path):
     with pytest.raises(ScriptError):
         run(script, out)
     assert {path.name for path in out.iterdir()} == {"poses.npy", "poses.json"}
+
+
+def notes_of(log):
+    """Return what the reader says of files beside a log."""
+    return [note for note in read(log).notes if "beside it" in note]
+
+
+def test_a_report_of_another_run_beside_a_log_is_told(tmp_path):
+    script, out, other = tmp_path / "script.py", tmp_path / "out", tmp_path / "other"
+    script.write_text(RUN.format(instances=1))
+    run(script, out)
+    assert notes_of(out / "poses.npy") == []
+    script.write_text(RUN.format(instances=1) + "r.get_poses()\nr.step()\n")
+    run(script, other)
+    shutil.copy(other / "report.json", out)
+    assert notes_of(out / "poses.npy") == ["report.json beside it is of another run"]
+    (out / "report.json").write_text("[")
+    assert notes_of(out / "poses.npy") == []
+
+
+def test_a_verdict_on_another_script_beside_a_log_is_told(tmp_path):
+    script, out = tmp_path / "script.py", tmp_path / "out"
+    script.write_text(RUN.format(instances=1))
+    run(script, out)
+    for content, told in ((script.read_bytes(), 0), (b"another state of it", 1)):
+        verdict = {"sha256": hashlib.sha256(content).hexdigest()}
+        (out / "verify.json").write_text(json.dumps(verdict))
+        assert len(notes_of(out / "poses.npy")) == told
+    assert "says nothing of this run" in notes_of(out / "poses.npy")[0]
 
 
 def test_a_report_that_lists_files_elsewhere_removes_none_of_them(tmp_path):

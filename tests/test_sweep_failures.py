@@ -59,6 +59,20 @@ def run(parameters, seeds):
 
 register(Experiment("deadly", "", {"value": 0}, run, ("square",), together=2))
 """
+SMALL_STUDY = """
+experiment = "freespace"
+replications = 1
+[parameters]
+agents = 4
+side = 4.0
+duration = 0.5
+record_interval = 0.1
+[grid]
+persistence = [0.1, 0.2]
+[[figures]]
+x = "persistence"
+y = "{figure}"
+"""
 STUDY = """
 experiment = "deadly"
 module = "deadly.py"
@@ -213,3 +227,32 @@ def test_absurd_numbers_in_a_study_are_refused_by_name(wrong, named):
 def test_absurd_numbers_in_a_profile_are_refused_by_name(text, named):
     with pytest.raises(ProfileError, match=named):
         profile_from_toml(text)
+
+
+def test_nothing_of_another_study_stays(tmp_path, monkeypatch):
+    """Not even where the second one is ended before it has computed anything."""
+    path, out = tmp_path / "study.toml", tmp_path / "out"
+    command = ["sweep", str(path), "-o", str(out), "--workers", "1"]
+
+    def names():
+        return {p.relative_to(out).as_posix() for p in out.rglob("*") if "store" not in p.parts}
+
+    tables = {"figures", "results.csv", "results.parquet", "study.json", "summary.csv"}
+    path.write_text(SMALL_STUDY.format(figure="gamma_end"))
+    assert CliRunner().invoke(app, command).exit_code == 0
+    figures = {f"figures/gamma_end_over_persistence.{kind}" for kind in ("pdf", "png")}
+    assert names() == tables | figures
+    path.write_text(SMALL_STUDY.format(figure="speed_end"))
+    assert CliRunner().invoke(app, command).exit_code == 0
+    assert not figures & names()
+    path.write_text(SMALL_STUDY.format(figure="speed_end").replace("agents = 4", "agents = 5"))
+
+    def stopped(*_, **__):
+        raise KeyboardInterrupt
+
+    (out / "figures" / "mine.png").touch()
+    with monkeypatch.context() as patch:
+        patch.setattr("posflock_robotarium.sweep.execution.execute", stopped)
+        assert CliRunner().invoke(app, command).exit_code != 0
+    assert names() == {"figures", "figures/mine.png", "study.json"}
+    assert json.loads((out / "study.json").read_text())["files"] == []

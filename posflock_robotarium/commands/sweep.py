@@ -32,7 +32,8 @@ def sweep(
     the code behind the experiment has changed.
 
     Writes results.csv, results.parquet, summary.csv and figures/ of what is finished, whatever
-    ends it; the finished runs are in store/. Exit code 0; 1 where runs failed, whose errors are in
+    ends it, and study.json, which says what they are of: those of another study in the folder go
+    first. The finished runs are in store/. Exit code 0; 1 where runs failed, whose errors are in
     the tables; 2 where the study, its store or its cluster cannot be used.
 
     [bold]Examples[/bold]
@@ -44,6 +45,7 @@ def sweep(
     from posflock_robotarium.flocking.progress import counted
     from posflock_robotarium.sweep.cluster import Certificates
     from posflock_robotarium.sweep.execution import execute
+    from posflock_robotarium.sweep.listing import forget_other_study, list_files
     from posflock_robotarium.sweep.results import finished, of_other_code, write_tables
     from posflock_robotarium.sweep.store import Store
     from posflock_robotarium.sweep.study import read_study
@@ -53,6 +55,7 @@ def sweep(
     folder = out or Path("results") / study.stem
     executors = _executors(workers, scheduler, Certificates.of(tls_ca, tls_cert, tls_key))
     with Store(folder / "store") as store:
+        forget_other_study(asked, folder)
         there, stale = len(finished(asked, store)), of_other_code(asked, store)
         if stale:
             say(
@@ -67,6 +70,7 @@ def sweep(
             rows = finished(asked, store)
             paths = write_tables(asked, store, folder)
             paths += draw_study(asked, rows, folder / "figures")
+            paths.append(list_files(asked, folder, paths))
     done = {"computed": computed, "found": there, "other_code": stale, "torn": store.torn}
     failed = _print(done, rows, folder, paths, as_json)
     raise typer.Exit(1 if failed else 0)

@@ -12,7 +12,6 @@ import io
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +25,8 @@ Floats = NDArray[np.float64]
 #: Of confidence intervals.
 CONFIDENCE = 0.95
 _RESAMPLES = 2000
+#: Columns of a summary behind those of the grid.
+_OF_SUMMARY = ("outcome", "runs", "median", "low", "high", "q1", "q3")
 #: In a row of the store, but not the run's result.
 _OF_MACHINE = ("seconds",)
 
@@ -147,6 +148,8 @@ def interval(values: Floats) -> tuple[float, float]:
 def write_tables(study: Study, store: Store, folder: Path) -> list[Path]:
     """Write ``results.csv``, ``results.parquet`` and ``summary.csv``; return the paths.
 
+    Where no run is finished, there is nothing to write, and no path.
+
     Parameters
     ----------
     study : Study
@@ -165,11 +168,14 @@ def write_tables(study: Study, store: Store, folder: Path) -> list[Path]:
     from pyarrow import parquet
 
     rows = _of_one_form(finished(study, store))
+    if not rows:
+        return []
     paths = [folder / name for name in ("results.csv", "summary.csv", "results.parquet")]
     table = pa.Table.from_pylist(rows)
-    about = {b"posflock study": json.dumps(_said(study), sort_keys=True).encode()}
-    write_whole(paths[0], _as_csv(rows))
-    write_whole(paths[1], _as_csv(summary(study, finished(study, store))))
+    about = {b"posflock study": json.dumps(study.said, sort_keys=True).encode()}
+    write_whole(paths[0], _as_csv(rows, list(rows[0])))
+    columns = [*study.grid, *_OF_SUMMARY]
+    write_whole(paths[1], _as_csv(summary(study, finished(study, store)), columns))
     with atomic_write(paths[2]) as draft:
         parquet.write_table(table.replace_schema_metadata(about), draft)
     return paths
@@ -181,24 +187,9 @@ def _of_one_form(rows: Sequence[Row]) -> list[Row]:
     return [{name: row.get(name) for name in columns} for row in rows]
 
 
-def _said(study: Study) -> dict[str, Any]:
-    """Return a study as its file would say it."""
-    return {
-        "experiment": study.experiment.name,
-        **({"module": study.module.name} if study.module else {}),
-        "seed": study.seed,
-        "replications": study.replications,
-        "common_random_numbers": study.common_random_numbers,
-        "parameters": dict(study.parameters),
-        "grid": dict(study.grid),
-        "distributions": {name: d.as_dict() for name, d in study.distributions.items()},
-    }
-
-
-def _as_csv(rows: Sequence[Row]) -> str:
+def _as_csv(rows: Sequence[Row], columns: Sequence[str]) -> str:
     text = io.StringIO()
-    if rows:
-        writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    writer = csv.DictWriter(text, columns, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
     return text.getvalue()

@@ -185,6 +185,20 @@ class Study:
         """Digest of the code that computes the runs."""
         return code_of(self.experiment, self.module)
 
+    @property
+    def said(self) -> dict[str, Any]:
+        """The study as its file would say it, but for the figures."""
+        return {
+            "experiment": self.experiment.name,
+            **({"module": self.module.name} if self.module else {}),
+            "seed": self.seed,
+            "replications": self.replications,
+            "common_random_numbers": self.common_random_numbers,
+            "parameters": dict(self.parameters),
+            "grid": dict(self.grid),
+            "distributions": {name: d.as_dict() for name, d in self.distributions.items()},
+        }
+
     def runs(self) -> list[PlannedRun]:
         """Return every run, combination by combination."""
         code = self.code

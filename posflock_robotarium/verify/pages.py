@@ -7,18 +7,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from posflock_robotarium.flocking.errors import OutputError
+from posflock_robotarium.logs.readers.beside import VERDICT
 from posflock_robotarium.verify.findings import count
 from posflock_robotarium.verify.terminal import figure_lines
 from rps_compat.testbed import GTERNAL
 from rps_compat.violations import FaultKind
-from rps_compat.whole_files import write_whole, written_together
+from rps_compat.whole_files import remove_earlier, write_whole, written_together
 
 if TYPE_CHECKING:
     from posflock_robotarium.verify import Report
 
 #: Names of the two files.
-NAMES = ("verify.json", "verify.html")
+NAMES = (VERDICT, "verify.html")
 
 #: Centres this near are a collision when robots face each other.
 _COLLISION = GTERNAL.collision_diameter + 2 * GTERNAL.collision_offset
@@ -59,11 +59,7 @@ def forget_report(folder: Path) -> None:
     OutputError
         Where an earlier report cannot be removed.
     """
-    try:
-        for name in NAMES:
-            (folder / name).unlink(missing_ok=True)
-    except OSError as error:
-        raise OutputError(f"{folder}: an earlier report cannot be removed: {error}") from error
+    remove_earlier(folder, NAMES)
 
 
 def html(report: Report) -> str:

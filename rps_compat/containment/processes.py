@@ -27,6 +27,10 @@ class Process:
         Seconds that it has computed.
     memory : int
         Bytes of it that are in memory.
+    threads : int
+        Its threads, 1 or more.
+    user : int
+        Whose it is.
     """
 
     number: int
@@ -34,6 +38,8 @@ class Process:
     ended: bool
     seconds: float
     memory: int
+    threads: int
+    user: int
 
 
 def look_at(number: int) -> Process | None:
@@ -47,11 +53,13 @@ def look_at(number: int) -> Process | None:
     try:
         with open(f"/proc/{number}/stat", "rb") as file:
             fields = file.read().rpartition(b")")[2].split()
+            user = os.fstat(file.fileno()).st_uid
     except OSError:
         return None
     seconds = (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
     memory = int(fields[21]) * os.sysconf("SC_PAGE_SIZE")
-    return Process(number, int(fields[1]), fields[0] in b"ZX", seconds, memory)
+    threads = int(fields[17])
+    return Process(number, int(fields[1]), fields[0] in b"ZX", seconds, memory, threads, user)
 
 
 def everyone() -> Iterator[Process]:

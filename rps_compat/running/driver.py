@@ -43,7 +43,7 @@ from rps_compat.session import Session
 from rps_compat.surroundings import answering, headless_matplotlib
 from rps_compat.terminal import showable_output
 from rps_compat.testbed import MAX_DURATION
-from rps_compat.whole_files import write_whole
+from rps_compat.whole_files import sum_of, write_whole
 
 
 @dataclass(frozen=True)
@@ -146,6 +146,8 @@ class _Run:
             "generation": plan.generation,
             "seed": plan.script_seed,
         }
+        with contextlib.suppress(OSError):  # that it cannot be read is told when it is run
+            about["sha256"] = sum_of(self.script)
         scheduled = (plan.longest, plan.interrupt_at, plan.kill_at, self.guests.teller)
         listeners = [] if self.measures is None else [self.measures.step]
         if plan.measures or any(item is not None for item in scheduled):
@@ -333,12 +335,14 @@ class _Run:
 
 
 def _written(outcome: Outcome, out: Path) -> Outcome:
-    """Write the report into the folder `out`, as text and as data."""
+    """Write the report into the folder `out`, as text and as data, with the sums of all files."""
     text, data = out / REPORT_TEXT, out / REPORT_DATA
     outcome = replace(outcome, files=(*outcome.files, text, data))
     reports = "\n".join(report.text(outcome.generation) for report in outcome.reports)
     write_whole(text, reports)
-    write_whole(data, json.dumps(outcome.as_dict(), indent=1) + "\n")
+    told = outcome.as_dict()
+    told["sums"] = {path.name: sum_of(path) for path in outcome.files[:-1] if path.is_file()}
+    write_whole(data, json.dumps(told, indent=1) + "\n")
     return outcome
 
 

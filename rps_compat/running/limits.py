@@ -4,13 +4,22 @@ from __future__ import annotations
 
 import contextlib
 import mmap
+import os
 import signal
+
+from rps_compat.containment.processes import everyone
+
+#: Processes and threads that a limited process may add to those which its user has. It is not meant
+#: to be met: what there is of them is looked at from outside. It stops what grows faster than that.
+TASKS = 512
 
 
 def limit_process(memory: int | None, file: int | None) -> None:
-    """Limit what this process may allocate beyond what it has now, and what it may write.
+    """Limit what this process may allocate beyond what it has now, write, and start.
 
-    No process can raise its limits again. Systems without such limits have none.
+    No process can raise its limits again. Systems without such limits have none. The number of
+    processes and threads is limited with any other limit, for their user as a whole, as the kernel
+    counts them: in namespaces those there. It holds no process of the superuser.
 
     Parameters
     ----------
@@ -30,6 +39,8 @@ def limit_process(memory: int | None, file: int | None) -> None:
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # then writing raises an OSError
     if memory is not None or file is not None:
         _set(resource.RLIMIT_CORE, 0)
+        if os.path.exists("/proc/self"):  # else nobody tells how many there are
+            _set(resource.RLIMIT_NPROC, _tasks() + TASKS)
 
 
 def _set(kind: int, most: int) -> None:
@@ -48,3 +59,8 @@ def _allocated() -> int:
             return int(file.read().split()[0]) * mmap.PAGESIZE
     except OSError:
         return 1 << 30
+
+
+def _tasks() -> int:
+    """Return how many threads the processes of this user have, as far as they can be seen."""
+    return sum(process.threads for process in everyone() if process.user == os.getuid())

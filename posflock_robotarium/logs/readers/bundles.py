@@ -44,12 +44,24 @@ def files_of(path: Path, bounds: Bounds) -> Iterator[list[Path]]:
     ------
     LogError
         Where there is no log in it, or more than a run has, or a ``.zip`` is damaged or too large.
+        Whatever is wrong with a log is told by its name in there.
     """
     if path.is_dir():
-        yield _logs(list(path.iterdir()), path)
+        with _named_after(path, path):
+            yield _logs(list(path.iterdir()), path)
         return
-    with KeptFolder("unpack") as place:
+    with KeptFolder("unpack") as place, _named_after(path, place):
         yield _logs(_unpacked(path, place, bounds), path)
+
+
+@contextmanager
+def _named_after(path: Path, place: Path) -> Iterator[None]:
+    """Let errors name the folder or ``.zip``, and not the place where it was unpacked."""
+    try:
+        yield
+    except LogError as error:
+        words = str(error).replace(str(place), str(path))
+        raise type(error)(words if str(path) in words else f"{path}: {words}") from error
 
 
 def _logs(files: list[Path], path: Path) -> list[Path]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.flocking.pose_log import log_paths, row_type
 from posflock_robotarium.flocking.row_file import digest_of
+from posflock_robotarium.logs.readers.beside import strangers_beside
 from posflock_robotarium.logs.readers.bounds import BOUNDS, Bounds
 from posflock_robotarium.logs.readers.forms import Form, Sign
 from posflock_robotarium.logs.readers.found import ReadOptions
@@ -92,7 +93,7 @@ def run_of(file: Path, rows: NDArray[Any], bounds: Bounds = BOUNDS) -> Run:
     elif (ending := ending_of(parameters)) is not None:
         notes += _how_it_ended(ending)
     doubts, sound = _doubts(parameters, rows[:reached], file.with_suffix(".json").name)
-    notes += sound
+    notes += [*sound, *strangers_beside(file, parameters)]
     columns = {
         name: floats(rows[name][:reached], f"{file}: {name}").copy()
         for name in ("pose", "command", "intervention", "clearance")
