@@ -26,7 +26,7 @@ STUDY = parse_study(
         "experiment": "freespace",
         "seed": 5,
         "replications": 20,
-        "parameters": {"agents": 12, "side": 10.0, "duration": 10.0},
+        "parameters": {"agents": 12, "side": 10.0, "duration": 4.0},
         "grid": {"model": ["velocity", "position"]},
         # Drawn anew for every run: forty tasks of one run each.
         "distributions": {"distance_scale": {"uniform": [0.4, 0.6]}},
@@ -219,7 +219,7 @@ def test_a_cluster_over_tls_takes_those_alone_who_have_a_certificate(processes, 
     for strangers in (None, Certificates(ca[0], *certified(tmp_path, "stranger"))):
         with (
             pytest.raises(ClusterError, match="no Dask scheduler answers"),
-            on_cluster(address, patience=3.0, certificates=strangers),
+            on_cluster(address, patience=1.0, certificates=strangers),
         ):
             pass
 
