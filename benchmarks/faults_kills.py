@@ -219,10 +219,17 @@ def half_files(place: Path) -> Iterator[str]:
 
 def rows_of(place: Path) -> int:
     """Return the finished runs in the store of a study."""
-    from posflock_robotarium.sweep.store import Store
+    from posflock_robotarium.sweep.store import Store, StoreError
 
-    with Store(place / "results" / "store") as store:
-        return len(store.rows)
+    deadline = time.monotonic() + PATIENCE
+    while True:
+        try:
+            with Store(place / "results" / "store") as store:
+                return len(store.rows)
+        except StoreError:  # a process that another thread is just starting has our own lock, too
+            if time.monotonic() > deadline:
+                raise
+            time.sleep(0.05)
 
 
 def bundles_of(place: Path) -> int:
