@@ -51,7 +51,7 @@ def list_files(study: Study, folder: Path, files: Sequence[Path]) -> Path:
     Parameters
     ----------
     study : Study
-        The study.
+        The one whose runs they show.
     folder : Path
         Where all its tables and figures are.
     files : sequence of Path
