@@ -82,7 +82,7 @@ def test_one_entry_is_in_json_csv_latex_table_and_page(team, tmp_path):
     assert "How fast the team&#39;s centroid moves." in page
     data = json.loads(page.split('id="data">')[1].split("</script>")[0])
     assert data["panels"][-1]["title"] == "The team"
-    assert data["panels"][-1]["lines"] == [[0.2, "fast"]]
+    assert data["panels"][-1]["lines"] == [[0.2, "fast", True]]
     assert [series["key"] for series in data["panels"][-1]["series"]] == ["team_speed"]
     assert {"key": "team_speed", "label": "speed of the team", "unit": "m/s"} in data[
         "beside_replay"
@@ -102,7 +102,8 @@ def test_a_metric_is_drawn_in_the_figure_that_it_names(team, monkeypatch, tmp_pa
     monkeypatch.setattr(curve_figures, "save", lambda figure, folder, name: [folder / name])
     files = {path.name for path in curve_figures.draw([run], tmp_path)}
     assert files == {"snapshots", "alignment", "distances", "motion", "team"}
-    [line] = curves(run, "team").axes[0].get_lines()
+    line, level = curves(run, "team").axes[0].get_lines()
+    assert list(level.get_ydata()) == [0.2, 0.2]
     np.testing.assert_array_equal(line.get_ydata(), run.curves["team_speed"])
     assert curves(run, "team").axes[0].get_ylabel() == "speed of the team (m/s)"
     forget(team)

@@ -27,11 +27,14 @@ from posflock_robotarium.logs.run import Run
 
 Floats = NDArray[np.float64]
 
-INCREMENTS = 12_000
+INCREMENTS = 5_000
 """Steps of robots that a report fits to: a gain is then sure to 1 or 2 %."""
 
-LEAST_ROWS = 300
+LEAST_ROWS = 200
 """Rows that it takes of a team so large that these are more."""
+
+_EVERY = 8
+"""Every how manieth row is looked at for how much commands vary."""
 
 _POINTS = 8
 """Points of a robot's curve of achieved over commanded; each is a mean of as many steps."""
@@ -173,15 +176,16 @@ def _most_varied(recording: Run, start: float) -> Run:
     if left > rows:
         # Speeds and turn rates in shares of the largest, so that both count.
         scale = np.array(fastest(recording.robot))[:, np.newaxis]
-        told = (recording.commands[begin:] / scale).reshape(left, -1)
+        told = (recording.commands[begin::_EVERY] / scale).reshape(-1, 2 * recording.robots)
         sums, squares = (
             np.concatenate([np.zeros((1, told.shape[1])), np.cumsum(part, axis=0)])
             for part in (told, np.square(told))
         )
-        starts = np.arange(0, left - rows + 1, max(1, rows // 8))
-        mean = (sums[starts + rows] - sums[starts]) / rows
-        variance = (squares[starts + rows] - squares[starts]) / rows - np.square(mean)
-        begin += int(starts[int(np.argmax(variance.sum(axis=1).round(12)))])
+        few = rows // _EVERY
+        mean = (sums[few:] - sums[:-few]) / few
+        variance = (squares[few:] - squares[:-few]) / few - np.square(mean)
+        begin += _EVERY * int(np.argmax(variance.sum(axis=1).round(9)))
+        begin = min(begin, len(recording.t) - rows)
     return _rows(recording, slice(begin, min(begin + rows, len(recording.t))))
 
 

@@ -131,8 +131,6 @@ class Run:
         How far the team is from being unsafe at each step (m); NaN where unknown.
     status : (T,) array of str, optional
         What the certificate answered at each step; "" where unknown.
-    real_time : (T,) array, optional
-        Seconds on a clock that nobody set, at which each row was written, strictly increasing.
     parameters : mapping
         Whatever the log says about the run: law, seed, versions, how it ended.
     notes : tuple of str
@@ -144,6 +142,8 @@ class Run:
     doubts : tuple of str
         Why the rows cannot be all that were written, or those that were, whatever the log says of
         how it ended; one a reason.
+    real_time : (T,) array, optional
+        Seconds on a clock that nobody set, at which each row was written, strictly increasing.
     printed : PrintedLog, optional
         What testbed and script printed during the run.
 
@@ -160,12 +160,12 @@ class Run:
     intervention: Floats | None = None
     clearance: Floats | None = None
     status: NDArray[np.str_] | None = None
-    real_time: Floats | None = None
     parameters: Mapping[str, Any] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     sources: tuple[str, ...] = ()
     timed: bool = True
     doubts: tuple[str, ...] = ()
+    real_time: Floats | None = None
     printed: PrintedLog | None = None
 
     def __post_init__(self) -> None:
