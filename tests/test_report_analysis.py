@@ -9,6 +9,7 @@ from experiment_here import fly_here
 from judged_runs import pair, verdict
 
 from posflock_robotarium.alignment import metrics
+from posflock_robotarium.alignment.questions import Questions
 from posflock_robotarium.alignment.summary import summarise
 from posflock_robotarium.alignment.truth import known_flock
 from posflock_robotarium.alignment.verdicts import headline
@@ -129,7 +130,7 @@ def test_a_file_that_is_no_analysis_is_refused(tmp_path, nine_robots):
 def test_the_neighbour_radius_is_asked_for_and_checked():
     recording = pair(np.full(120, 0.3))
     with pytest.raises(LogError, match="--radius"):
-        analyse(recording)
+        analyse(recording, AnalysisOptions(questions=Questions.FLOCKING))
     known = dataclasses.replace(recording, parameters={"neighbour_radius": [0.5, 0.6]})
     assert analyse(known).options.radius == (0.5, 0.6)
     for wrong in ([0.5] * 3, "wide", -1, float("nan")):

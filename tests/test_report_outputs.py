@@ -254,7 +254,7 @@ def test_a_foreign_array_needs_its_step_and_radius(tmp_path, recording):
     with pytest.raises(LogError, match="--dt"):
         posflock("report", tmp_path / "poses.npy")
     with pytest.raises(LogError, match="--radius"):
-        posflock("report", tmp_path / "poses.npy", "--dt", "0.033")
+        posflock("report", tmp_path / "poses.npy", "--questions", "flocking", "--dt", "0.033")
     words = ["--dt", "0.033", "--radius", "0.72", "--no-figures", "-o", tmp_path / "out"]
     assert posflock("report", tmp_path / "poses.npy", *words).exit_code == 0
 

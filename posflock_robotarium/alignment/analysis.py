@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import math
 import os
 import zipfile
 from collections.abc import Mapping
@@ -32,6 +31,13 @@ from posflock_robotarium.alignment.following import Following, following_of
 from posflock_robotarium.alignment.measuring import curves_of, measure, numbers_of
 from posflock_robotarium.alignment.metric_registry import Number
 from posflock_robotarium.alignment.options import TRANSIENT, AnalysisOptions, settled_samples
+from posflock_robotarium.alignment.plain_values import plain_value, statistics
+from posflock_robotarium.alignment.questions import Asked, ChosenBy, Questions, asked_of
+from posflock_robotarium.alignment.target_outcomes import (
+    TargetOutcome,
+    numbers_of_targets,
+    outcomes_of,
+)
 from posflock_robotarium.alignment.verdicts import RunVerdict, verdicts_of
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.flocking.flock import WALLS
@@ -74,6 +80,10 @@ class Analysis:
         Collisions and boundary crossings in the order in which they began.
     verdicts : tuple of RunVerdict
         The run in sentences.
+    asked : Asked
+        What it was asked, and why that.
+    targets : tuple of TargetOutcome
+        How it did by its targets.
     following : Following or None
         How robots followed their commands; None of a log without any.
     """
@@ -87,6 +97,8 @@ class Analysis:
     numbers: Mapping[str, Number]
     events: tuple[Event, ...] = field(repr=False)
     verdicts: tuple[RunVerdict, ...]
+    asked: Asked
+    targets: tuple[TargetOutcome, ...] = ()
     following: Following | None = None
 
     @property
@@ -125,10 +137,11 @@ class Analysis:
         Returns
         -------
         dict
-            Run, how it was read, estimators, options, numbers, statistics, events, verdicts.
+            Run, how it was read, estimators, options, numbers, statistics, events, what was asked,
+            targets, verdicts.
         """
         recording = self.recording
-        summary: dict[str, Any] = _plain(
+        summary: dict[str, Any] = plain_value(
             {
                 "format": FORMAT,
                 "run": self.name,
@@ -144,6 +157,8 @@ class Analysis:
                 },
                 "statistics": {key: statistics(curve) for key, curve in self.curves.items()},
                 "events": [dataclasses.asdict(event) for event in self.events],
+                "asked": {**dataclasses.asdict(self.asked), "reason": self.asked.reason},
+                "targets": [dataclasses.asdict(target) for target in self.targets],
                 "verdicts": [dataclasses.asdict(verdict) for verdict in self.verdicts],
                 "following": self.following and dataclasses.asdict(self.following),
                 "parameters": dict(recording.parameters),
@@ -209,15 +224,20 @@ def analyse(
     Raises
     ------
     LogError
-        When the log cannot be read, or its neighbour radius is known from nowhere.
+        When the log cannot be read, or it is asked whether it flocks and its neighbour radius is
+        known from nowhere.
     ParameterError
-        When the run ends before its transient is over.
+        When the run ends before its transient is over, or a target names no metric or another
+        kind of unit.
     """
     options = options or AnalysisOptions()
     if radius is not None:
         options = dataclasses.replace(options, radius=radius)
-    run = measure(log if isinstance(log, Run) else read(log, read_options), options)
+    recording = log if isinstance(log, Run) else read(log, read_options)
+    asked = asked_of(recording, options.questions, options.radius)
+    run = measure(recording, options)
     numbers = numbers_of(run)
+    targets = outcomes_of(run, numbers)
     return Analysis(
         recording=run.recording,
         options=run.options,
@@ -225,11 +245,48 @@ def analyse(
         generation=run.recording.logged_robot.words,
         estimators={name: run.motion(name).description for name in ESTIMATORS},
         curves=curves_of(run),
-        numbers=numbers,
+        numbers=numbers | numbers_of_targets(targets),
         events=tuple(run.once(faults_of).events),
-        verdicts=verdicts_of(run.recording, numbers, run.options.threshold, run.options.slowest),
+        verdicts=verdicts_of(
+            recording,
+            numbers,
+            run.options.threshold,
+            run.options.slowest,
+            asked.questions,
+            targets,
+        ),
+        asked=asked,
+        targets=targets,
         following=run.once(following_of),
     )
+
+
+def judged_again(saved: Analysis, asked: AnalysisOptions) -> Analysis:
+    """Analyse the poses of a saved analysis again, as they were, but asked something else.
+
+    Parameters
+    ----------
+    saved : Analysis
+        From `load`.
+    asked : AnalysisOptions
+        Whose questions and targets are asked; all else is as it was.
+
+    Raises
+    ------
+    LogError
+        When it is asked whether it flocks, and its neighbour radius is known from nowhere.
+    ParameterError
+        When a target names no metric or another kind of unit.
+    """
+    questions = saved.asked.questions if saved.asked.by is ChosenBy.USER else None
+    given = saved.asked.by in (ChosenBy.USER, ChosenBy.RADIUS)
+    options = dataclasses.replace(
+        saved.options,
+        radius=saved.options.radius if given else None,
+        questions=asked.questions or questions,
+        targets=asked.targets or saved.options.targets,
+    )
+    return analyse(saved.recording, options)
 
 
 def load(path: str | os.PathLike[str]) -> Analysis:
@@ -270,6 +327,9 @@ def load(path: str | os.PathLike[str]) -> Analysis:
         options = dict(summary["options"])
         if isinstance(options["radius"], list):
             options["radius"] = tuple(options["radius"])
+        if options.get("questions") is not None:
+            options["questions"] = Questions(options["questions"])
+        options["targets"] = tuple(options.get("targets", ()))
         robot = dict(summary["robot"])
         generation = robot.pop("generation")
         robot["boundaries"] = tuple(robot["boundaries"])
@@ -286,9 +346,19 @@ def load(path: str | os.PathLike[str]) -> Analysis:
             ),
             verdicts=tuple(RunVerdict(**verdict) for verdict in summary["verdicts"]),
             following=Following.from_dict(said) if (said := summary.get("following")) else None,
+            **_asked(summary),
         )
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise LogError(f"{target}: not a saved analysis ({error!r})") from error
+
+
+def _asked(summary: Mapping[str, Any]) -> dict[str, Any]:
+    """Read what was asked; analyses of earlier versions asked about flocking."""
+    asked = summary.get("asked", {"questions": Questions.FLOCKING, "by": ChosenBy.USER})
+    return {
+        "asked": Asked(Questions(asked["questions"]), ChosenBy(asked["by"])),
+        "targets": tuple(TargetOutcome(**target) for target in summary.get("targets", ())),
+    }
 
 
 def is_analysis(path: str | os.PathLike[str]) -> bool:
@@ -306,45 +376,6 @@ def is_analysis(path: str | os.PathLike[str]) -> bool:
             return "analysis.npy" in archive.namelist()
     except (OSError, zipfile.BadZipFile):
         return False
-
-
-def statistics(curve: Floats) -> dict[str, float | int]:
-    """Return mean, standard deviation, smallest, largest and how many samples are undefined.
-
-    Parameters
-    ----------
-    curve : (T,) array
-        Values over time, NaN where undefined.
-    """
-    known = curve[np.isfinite(curve)]
-    if not known.size:
-        return {key: float("nan") for key in ("mean", "sd", "smallest", "largest")} | {
-            "undefined": len(curve)
-        }
-    return {
-        "mean": float(known.mean()),
-        "sd": float(known.std()),
-        "smallest": float(known.min()),
-        "largest": float(known.max()),
-        "undefined": int(len(curve) - known.size),
-    }
-
-
-def _plain(value: Any) -> Any:
-    """Turn numpy values into JSON's own, and what JSON cannot say (NaN, infinity) into null."""
-    if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
-    if isinstance(value, np.ndarray):
-        return _plain(value.tolist())
-    if isinstance(value, np.generic):
-        return _plain(value.item())
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if value is None or isinstance(value, (bool, int, str)):
-        return value
-    return str(value)
 
 
 def _restored(number: Mapping[str, Any]) -> dict[str, Any]:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.alignment.analysis import Analysis
+from posflock_robotarium.alignment.reference_errors import ReferenceErrors, errors_against
 from posflock_robotarium.alignment.verdicts import headline
 from posflock_robotarium.flocking.errors import ParameterError
 
@@ -94,12 +95,15 @@ class Comparison:
         One a number.
     outcomes : dict of int
         How many runs came out how (``aligned, together, safe``).
+    errors : tuple of ReferenceErrors
+        Of every other run against the first, where that is a reference.
     """
 
     analyses: tuple[Analysis, ...]
     labels: tuple[str, ...]
     rows: tuple[Row, ...]
     outcomes: Mapping[str, int]
+    errors: tuple[ReferenceErrors, ...] = ()
 
     @property
     def groups(self) -> tuple[str, ...]:
@@ -114,6 +118,7 @@ class Comparison:
             "outcomes": dict(self.outcomes),
             "interval": f"95 % percentile bootstrap over runs, {RESAMPLES} resamples",
             "numbers": {row.key: _without_nan(asdict(row)) for row in self.rows},
+            "errors_against_reference": [_without_nan(asdict(errors)) for errors in self.errors],
         }
 
 
@@ -175,6 +180,28 @@ def compare(
         )
     outcomes = Counter(headline(analysis.verdicts) for analysis in analyses)
     return Comparison(tuple(analyses), tuple(names), tuple(rows), dict(outcomes.most_common()))
+
+
+def with_errors(comparison: Comparison, *, delta: float = 1.0, offset: float = 0.0) -> Comparison:
+    """Return the same comparison with the errors of its runs against the first one.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        Its first run is the reference.
+    delta, offset : float
+        See `reference_errors.errors_against`; s.
+
+    Raises
+    ------
+    LogError
+        When runs have other numbers of robots, or no samples at the same times.
+    ParameterError
+        When `delta` or `offset` are no such times.
+    """
+    reference, *others = (analysis.recording for analysis in comparison.analyses)
+    errors = tuple(errors_against(run, reference, delta=delta, offset=offset) for run in others)
+    return replace(comparison, errors=errors)
 
 
 def _without_nan(value: Any) -> Any:

@@ -54,10 +54,40 @@ class MeasuredRun:
         """Collision test, wheels and arena of the testbed."""
         return self.recording.robot
 
+    @property
+    def robots(self) -> int:
+        """How many robots were recorded, N."""
+        return self.recording.robots
+
+    @cached_property
+    def t(self) -> Floats:
+        """Times of the samples in seconds, shape (T,); not to be written."""
+        return read_only(self.recording.t)
+
+    @cached_property
+    def poses(self) -> Floats:
+        """x, y in metres and heading in radians, shape (T, 3, N); not to be written."""
+        return read_only(self.recording.poses)
+
+    @cached_property
+    def headings(self) -> Floats:
+        """Headings in radians, shape (T, N), NaN where none were logged; not to be written."""
+        return read_only(self.recording.poses[:, 2])
+
+    @cached_property
+    def commands(self) -> Floats | None:
+        """Commanded m/s and rad/s, shape (T, 2, N), None without; not to be written."""
+        return None if self.recording.commands is None else read_only(self.recording.commands)
+
     @cached_property
     def positions(self) -> Floats:
-        """Positions in metres, shape (T, 2, N)."""
-        return self.recording.poses[:, :2]
+        """Positions in metres, shape (T, 2, N); not to be written."""
+        return read_only(self.recording.poses[:, :2])
+
+    @property
+    def has_neighbours(self) -> bool:
+        """Whether it is known how far neighbours are seen, without which nobody has any."""
+        return self.options.radius is not None
 
     @cached_property
     def radius(self) -> float | Floats:
@@ -68,8 +98,7 @@ class MeasuredRun:
     @cached_property
     def speeds(self) -> Floats:
         """Savitzky-Golay speed of each robot in m/s, shape (T, N)."""
-        speeds: Floats = np.sqrt(np.square(self.velocities("savitzky_golay")).sum(axis=1))
-        return speeds
+        return read_only(np.sqrt(np.square(self.velocities("savitzky_golay")).sum(axis=1)))
 
     @cached_property
     def settled(self) -> NDArray[np.bool_]:
@@ -129,7 +158,7 @@ class MeasuredRun:
         (T, 2, N) array
             Velocities in the frame of the arena, m/s.
         """
-        return self.motion(estimator).velocities
+        return read_only(self.motion(estimator).velocities)
 
     def curve(self, key: str) -> Floats | None:
         """Return a metric over time.
@@ -158,7 +187,7 @@ class MeasuredRun:
                 f"metric {key!r}: its function returned shape {np.shape(values)}; expected one "
                 f"value a sample, ({samples},)"
             )
-        return values
+        return None if values is None else read_only(np.asarray(values))
 
     def once(self, compute: Callable[..., _T], *arguments: object) -> _T:
         """Return ``compute(run, *arguments)``, computed the first time only.
@@ -220,6 +249,24 @@ class MeasuredRun:
             One value a sample of the whole run, in any unit; NaN where undefined.
         """
         return weighted_mean(values[self.settled], self.weights[self.settled])
+
+
+def read_only(array: NDArray[Any]) -> NDArray[Any]:
+    """Return the same values, which nobody can change by way of what is returned.
+
+    Parameters
+    ----------
+    array : (...) array
+        Of any unit.
+
+    Returns
+    -------
+    (...) array
+        A view.
+    """
+    view = array.view()
+    view.flags.writeable = False
+    return view
 
 
 def weighted_mean(values: Floats, weights: Floats) -> float:

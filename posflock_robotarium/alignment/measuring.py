@@ -7,6 +7,7 @@ import dataclasses
 from posflock_robotarium.alignment import catalogue
 from posflock_robotarium.alignment.measured_run import Floats, MeasuredRun
 from posflock_robotarium.alignment.options import AnalysisOptions
+from posflock_robotarium.alignment.questions import Questions, asked_of
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.logs.run import Run
 from posflock_robotarium.logs.start import experiment_start
@@ -25,12 +26,16 @@ def measure(recording: Run, options: AnalysisOptions | None = None) -> MeasuredR
     Raises
     ------
     LogError
-        When the neighbour radius is known from nowhere.
+        When the run is asked whether it flocks, and the neighbour radius is known from nowhere.
     ParameterError
         When the run ends before its drive to the start, or its transient, is over.
     """
     options = options or AnalysisOptions()
-    options = dataclasses.replace(options, radius=recording.neighbour_radius(options.radius))
+    asked = asked_of(recording, options.questions, options.radius)
+    known = options.radius is not None or recording.parameters.get("neighbour_radius") is not None
+    if known or asked.questions is Questions.FLOCKING:
+        options = dataclasses.replace(options, radius=recording.neighbour_radius(options.radius))
+    options = dataclasses.replace(options, questions=asked.questions)
     duration = float(recording.t[-1] - experiment_start(recording, options.drive))
     if options.transient is not None and options.transient >= duration:
         raise ParameterError(

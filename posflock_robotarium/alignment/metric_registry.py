@@ -20,7 +20,10 @@ Reduction = Literal["mean", "smallest", "largest"]
 REDUCTIONS: tuple[Reduction, ...] = get_args(Reduction)
 NumberFunction = Callable[[MeasuredRun], float | None]
 
-GROUPS = ("Run", "Alignment", "Motion", "Cohesion", "Safety", "Certificate", "Confidence")
+GROUPS = (
+    *("Run", "Alignment", "Motion", "Cohesion", "Formation", "Coverage"),
+    *("Safety", "Certificate", "Confidence"),
+)
 """Headings of the table of numbers, in reading order; a heading that is new follows them."""
 
 

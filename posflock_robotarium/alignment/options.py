@@ -1,4 +1,4 @@
-"""What an analysis may be told: radius, window, thresholds, and how long its transient is."""
+"""What an analysis may be told: radius, window, thresholds, transient, questions and targets."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from barrier_certificates import ties
 from posflock_robotarium.alignment.estimators import WINDOW
 from posflock_robotarium.alignment.metrics import SLOWEST
+from posflock_robotarium.alignment.questions import Questions
+from posflock_robotarium.alignment.targets import parse_target
 from posflock_robotarium.flocking.errors import ParameterError
 
 Floats = NDArray[np.float64]
@@ -39,11 +41,15 @@ class AnalysisOptions:
     drive : float, optional
         Seconds at the start in which robots drive to their initial conditions; the transient
         begins after them. By default what the log says, see `logs.start`.
+    questions : Questions, optional
+        What is asked of the run; by default what its log tells (see `questions.asked_of`).
+    targets : tuple of str
+        What metrics must keep to, each in the words of `targets.GRAMMAR`.
 
     Raises
     ------
     ParameterError
-        When a value is not finite or outside its range.
+        When a value is not finite or outside its range, or a target does not follow the grammar.
     """
 
     radius: float | tuple[float, ...] | None = None
@@ -52,8 +58,12 @@ class AnalysisOptions:
     threshold: float = 0.9
     transient: float | None = None
     drive: float | None = None
+    questions: Questions | None = None
+    targets: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
+        for target in self.targets:
+            parse_target(target)
         for name, low in (("window", 0.0), ("slowest", 0.0), ("transient", 0.0), ("drive", 0.0)):
             value = getattr(self, name)
             if value is None and name in ("transient", "drive"):

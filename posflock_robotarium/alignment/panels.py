@@ -46,6 +46,8 @@ class Panel:
         Ends of that axis; None where the curves decide.
     lines : tuple of Line
         Levels to hold the curves against.
+    leads : bool
+        Whether it stands before all others: what somebody asked for himself.
     """
 
     key: str
@@ -53,8 +55,11 @@ class Panel:
     unit: str
     limits: tuple[float | None, float | None] = (None, None)
     lines: tuple[Line, ...] = ()
+    leads: bool = False
 
 
+FORMATION = Panel("formation", "Formation", "m", (0.0, None))
+COVERAGE = Panel("coverage", "Coverage", "m", (0.0, None))
 ALIGNMENT = Panel("alignment", "Alignment", "γ", (None, 1.02))
 LEFT_OUT = Panel("left_out", "Robots left out of γ", "share", (0.0, 1.02))
 POLARISATION = Panel("polarisation", "Polarisation", "", (0.0, 1.02))
@@ -82,6 +87,8 @@ STEPS = Panel(
 )
 
 READING_ORDER = (
+    FORMATION,
+    COVERAGE,
     ALIGNMENT,
     LEFT_OUT,
     POLARISATION,
@@ -99,7 +106,7 @@ READING_ORDER = (
 
 
 def in_reading_order(panels: Iterable[Panel]) -> list[Panel]:
-    """Return each plot once: those of `READING_ORDER` first, then any other as it comes.
+    """Return each plot once: those that lead, those of `READING_ORDER`, any other as it comes.
 
     Parameters
     ----------
@@ -107,5 +114,6 @@ def in_reading_order(panels: Iterable[Panel]) -> list[Panel]:
         The plots that are wanted, repeated or not.
     """
     wanted = list(dict.fromkeys(panels))
-    known = [panel for panel in READING_ORDER if panel in wanted]
-    return known + [panel for panel in wanted if panel not in READING_ORDER]
+    first = [panel for panel in wanted if panel.leads]
+    first += [panel for panel in READING_ORDER if panel in wanted]
+    return first + [panel for panel in wanted if panel not in first]

@@ -7,7 +7,7 @@ parallel headings, a γ from headings near one, and does not flock.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -16,7 +16,10 @@ from posflock_robotarium.alignment.following_verdict import following_verdict
 from posflock_robotarium.alignment.loop_verdict import loop_verdict
 from posflock_robotarium.alignment.metric_registry import Number
 from posflock_robotarium.alignment.metrics import SMOOTHING_POINTS
+from posflock_robotarium.alignment.questions import Questions
 from posflock_robotarium.alignment.run_verdict import Mark, RunVerdict
+from posflock_robotarium.alignment.shape_verdicts import covered, kept_formation
+from posflock_robotarium.alignment.target_outcomes import TargetOutcome, verdict_of
 from posflock_robotarium.alignment.whole_run import whole_run_verdict
 from posflock_robotarium.logs import plausibility
 from posflock_robotarium.logs.run import Run
@@ -33,6 +36,9 @@ SOME = 0.1
 WRONG_HEADINGS = 0.35
 """Radians (20°) between headings and motion that no tracking offset explains."""
 
+NOISY = 0.005
+"""Metres of tracking noise, ten times that of the testbed, which positions are noisy with."""
+
 DOUBTFUL_HEADINGS = 0.15
 """The same (9°) where headings begin at values that are no angles in radians."""
 
@@ -42,7 +48,12 @@ SURE = "How sure are we?"
 
 
 def verdicts_of(
-    recording: Run, numbers: Mapping[str, Number], threshold: float, slowest: float
+    recording: Run,
+    numbers: Mapping[str, Number],
+    threshold: float,
+    slowest: float,
+    questions: Questions = Questions.FLOCKING,
+    targets: Sequence[TargetOutcome] = (),
 ) -> tuple[RunVerdict, ...]:
     """Judge a run by its numbers.
 
@@ -56,20 +67,31 @@ def verdicts_of(
         γ from which the flock counts as aligned.
     slowest : float
         Speed in m/s up to which a robot stands.
+    questions : Questions
+        What the run is asked.
+    targets : sequence of TargetOutcome
+        How it did by its targets.
 
     Returns
     -------
     tuple of RunVerdict
-        Aligned? Together? Safe? Within limits? How sure? As told? In time? The whole run?
+        Aligned and together, or in formation, or covering, as asked; on target? Then of any run:
+        safe? Within limits? How sure? As told? In time? The whole run?
     """
     value = {key: float(number.value) for key, number in numbers.items()}
-    verdicts = [
-        _aligned(value, threshold, slowest, recording.headed),
-        _together(value),
-        _safe(value, stopped=recording.printed is not None and recording.printed.collision),
-    ]
+    verdicts = [verdict_of(target) for target in targets]
+    flocking = questions is Questions.FLOCKING
+    if flocking:
+        verdicts += [_aligned(value, threshold, slowest, recording.headed), _together(value)]
+    elif questions is Questions.FORMATION:
+        verdicts.append(kept_formation(value))
+    elif questions is Questions.COVERAGE:
+        verdicts.append(covered(value))
+    stopped = recording.printed is not None and recording.printed.collision
+    verdicts.append(_safe(value, stopped=stopped))
     verdicts += _limits(value)
-    verdicts.append(_in_degrees(recording, value) or _jumping(recording) or _sure(value))
+    sure = _in_degrees(recording, value) or _jumping(recording) or _sure(value, flocking)
+    verdicts.append(sure)
     verdicts += following_verdict(value)
     verdicts += loop_verdict(recording, value)
     verdicts += whole_run_verdict(recording, value)
@@ -292,7 +314,7 @@ def _jumping(recording: Run) -> RunVerdict | None:
     return None if told is None else RunVerdict(SURE, Mark.BAD, *told)
 
 
-def _sure(v: Mapping[str, float]) -> RunVerdict:
+def _sure(v: Mapping[str, float], flocking: bool) -> RunVerdict:
     question = SURE
     if v["heading_offset"] > WRONG_HEADINGS:
         return RunVerdict(
@@ -302,7 +324,7 @@ def _sure(v: Mapping[str, float]) -> RunVerdict:
             f"Robots move at {math.degrees(v['heading_offset']):.0f}° to their headings, which "
             "wheels cannot do: are headings in radians, and columns in the right order?",
         )
-    noise, course, bias = v["noise_position"], v["noise_course"], v["gamma_bias"]
+    noise, course = v["noise_position"], v["noise_course"]
     count = int(v["gaps"])
     gaps = (
         f" {count} gap{'s' if count > 1 else ''}, {v['gap_time']:.1f} s, left as such."
@@ -312,6 +334,11 @@ def _sure(v: Mapping[str, float]) -> RunVerdict:
     if math.isnan(noise):
         return RunVerdict(question, Mark.UNKNOWN, "Too short to measure the noise.", gaps.strip())
     tracked = f"Tracking noise, measured in this log, is {_length(noise)}"
+    if not flocking:
+        sharp = ties.within(noise, NOISY)
+        mark, word = (Mark.GOOD, "sharp") if sharp else (Mark.CAUTION, "noisy")
+        return RunVerdict(question, mark, f"Positions are {word}.", f"{tracked}.{gaps}")
+    bias = v["gamma_bias"]
     if math.isnan(course):
         return RunVerdict(
             question,

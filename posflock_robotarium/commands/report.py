@@ -4,13 +4,14 @@ import contextlib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from posflock_robotarium.commands import options
+from posflock_robotarium.commands import options, question_options
 from posflock_robotarium.commands.terminal import say
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from posflock_robotarium.report import Analysis, ReadOptions
+    from posflock_robotarium.alignment.comparison import Comparison
+    from posflock_robotarium.report import Analysis, AnalysisOptions, ReadOptions
 
 
 def report(
@@ -32,6 +33,9 @@ def report(
     slowest: options.Slowest = 0.01,
     transient: options.Transient = None,
     drive: options.Drive = None,
+    metric: question_options.OwnMetrics = None,
+    questions: question_options.QuestionsAsked = None,
+    target: question_options.TargetsAsked = None,
     latex: options.Latex = False,
     figures: options.Figures = True,
     json: options.SummaryAsJson = False,
@@ -48,22 +52,19 @@ def report(
         posflock report results/nine_robots.npy -o report
 
         posflock report poses.mat --dt 0.033 --radius 0.75 -o report --latex
+
+        posflock report poses.npy --metric my_metrics.py:error --target 'error < 0.05 m always'
     """
+    from posflock_robotarium.alignment.own_metrics import own_metrics
     from posflock_robotarium.report.outputs import write_report
 
-    analyses = _analyse(
-        logs,
-        _reading(
-            layout, columns, dt, array, drop_damaged, units, degrees, time, max_size, max_robots
-        ),
-        radius,
-        window,
-        slowest,
-        transient,
-        drive,
-        join,
+    reading = _reading(
+        layout, columns, dt, array, drop_damaged, units, degrees, time, max_size, max_robots
     )
-    written = write_report(analyses, out, latex=latex, figures=figures)
+    judged = _judged(radius, window, slowest, transient, drive, questions, target)
+    with own_metrics(metric or ()):
+        analyses = _analyse(logs, reading, judged, join, bool(metric))
+        written = write_report(analyses, out, latex=latex, figures=figures)
     if json:
         _print_json(analyses)
         return
@@ -115,6 +116,12 @@ def compare(
     slowest: options.Slowest = 0.01,
     transient: options.Transient = None,
     drive: options.Drive = None,
+    metric: question_options.OwnMetrics = None,
+    questions: question_options.QuestionsAsked = None,
+    target: question_options.TargetsAsked = None,
+    reference: question_options.ReferenceRun = None,
+    delta: question_options.ReferenceDelta = 1.0,
+    reference_offset: question_options.ReferenceOffset = 0.0,
     json: options.SummaryAsJson = False,
 ) -> None:
     """Put runs side by side: every number, mean and 95 % interval, differences.
@@ -128,28 +135,31 @@ def compare(
         posflock compare seed-*/nine_robots.npy -o comparison
 
         posflock compare returned.npy --resimulate calibrated -o comparison
+
+        posflock compare returned.npy --reference simulated.npy
     """
     from posflock_robotarium.alignment.comparison import compare as compare_runs
+    from posflock_robotarium.alignment.comparison import with_errors
+    from posflock_robotarium.alignment.own_metrics import own_metrics
+    from posflock_robotarium.report.outputs import write_report
 
-    with _resimulated(runs, resimulate) as logs:
-        reading = _reading(
-            layout, columns, dt, array, drop_damaged, units, degrees, time, max_size, max_robots
-        )
-        analyses = _analyse(logs, reading, radius, window, slowest, transient, drive, False)
-    comparison = compare_runs(analyses, labels.split(",") if labels else None)
-    if json:
-        import json as writer
-
-        say(writer.dumps(comparison.summary(), indent=1, ensure_ascii=False))
-    else:
-        from posflock_robotarium.report.tables import comparison_table
-
-        for line in comparison_table(comparison):
-            say(line)
+    reading = _reading(
+        layout, columns, dt, array, drop_damaged, units, degrees, time, max_size, max_robots
+    )
+    judged = _judged(radius, window, slowest, transient, drive, questions, target)
+    named = labels.split(",") if labels else None
+    with own_metrics(metric or ()), _resimulated(runs, resimulate) as logs:
+        compared = logs if reference is None else [reference, *logs]
+        analyses = _analyse(compared, reading, judged, False, bool(metric))
+        if reference is not None and (named is None or len(named) < len(compared)):
+            named = ["reference", *(named or ["runs"] * len(logs))]
+        comparison = compare_runs(analyses, named)
+        if reference is not None:
+            comparison = with_errors(comparison, delta=delta, offset=reference_offset)
+        if out is not None:
+            written = write_report(analyses, out, comparison=comparison)
+    _print_comparison(comparison, json)
     if out is not None:
-        from posflock_robotarium.report.outputs import write_report
-
-        written = write_report(analyses, out, labels=comparison.labels)
         say(f"{len(written)} files in {out}; open {written[0]}", err=json)
 
 
@@ -268,31 +278,56 @@ def _reading(
     )
 
 
-def _analyse(
-    logs: list[Path],
-    reading: "ReadOptions",
+def _judged(
     radius: float | None,
     window: float,
     slowest: float,
     transient: float | None,
     drive: float | None,
+    questions: str | None,
+    targets: list[str] | None,
+) -> "AnalysisOptions":
+    from posflock_robotarium.alignment.questions import Questions
+    from posflock_robotarium.flocking.errors import ParameterError
+    from posflock_robotarium.report import AnalysisOptions
+
+    known = [each.value for each in Questions]
+    if questions is not None and questions not in known:
+        raise ParameterError(f"--questions {questions!r} is none of {', '.join(known)}")
+    return AnalysisOptions(
+        radius=radius,
+        window=window,
+        slowest=slowest,
+        transient=transient,
+        drive=drive,
+        questions=None if questions is None else Questions(questions),
+        targets=tuple(targets or ()),
+    )
+
+
+def _analyse(
+    logs: list[Path],
+    reading: "ReadOptions",
+    judged: "AnalysisOptions",
     join: bool,
+    own: bool,
 ) -> list["Analysis"]:
-    from posflock_robotarium.alignment.analysis import is_analysis
+    from posflock_robotarium.alignment.analysis import is_analysis, judged_again
     from posflock_robotarium.alignment.comparison import distinctly_named
     from posflock_robotarium.commands.terminal import progress
-    from posflock_robotarium.report import AnalysisOptions, analyse, load, read_parts
+    from posflock_robotarium.report import analyse, load, read_parts
 
-    judged = AnalysisOptions(
-        radius=radius, window=window, slowest=slowest, transient=transient, drive=drive
-    )
     if join:
         return [analyse(read_parts(logs, reading), judged)]
+    asked = own or bool(judged.questions or judged.targets)
     analyses = []
     with progress("analysing") as told:
         for done, log in enumerate(logs, start=1):
-            saved = is_analysis(log)
-            analyses.append(load(log) if saved else analyse(log, judged, read_options=reading))
+            if is_analysis(log):
+                saved = load(log)
+                analyses.append(judged_again(saved, judged) if asked else saved)
+            else:
+                analyses.append(analyse(log, judged, read_options=reading))
             told(done, len(logs))
     return distinctly_named(analyses)
 
@@ -306,11 +341,24 @@ def _print_json(analyses: list["Analysis"]) -> None:
     )
 
 
+def _print_comparison(comparison: "Comparison", as_json: bool) -> None:
+    if as_json:
+        import json
+
+        say(json.dumps(comparison.summary(), indent=1, ensure_ascii=False))
+        return
+    from posflock_robotarium.report.tables import comparison_table, reference_table
+
+    for line in (*comparison_table(comparison), *reference_table(comparison)):
+        say(line)
+
+
 def _print_verdicts(analyses: list["Analysis"]) -> None:
     from posflock_robotarium.alignment.verdicts import Mark
 
     for analysis in analyses:
         say(f"{analysis.name}")
+        say(f"  asked    {analysis.asked.questions}, {analysis.asked.reason}")
         for verdict in analysis.verdicts:
             say(f"  {verdict.mark:8} {verdict.question} {verdict.answer}")
             if verdict.because and verdict.mark is not Mark.GOOD:

@@ -1,5 +1,6 @@
 """``posflock run`` and ``posflock lint``: any Robotarium script, as it is."""
 
+import re
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -56,8 +57,26 @@ def run(
         recorder=open_pose_log,
         tell=lambda note: say(f"{script}: {note}", err=True),
     )
+    if misplaced := _misplaced(context, script):
+        say(
+            f"{script}: {misplaced} stands after the script's name and so goes to the script, "
+            "which reads no arguments; options of posflock run stand before it",
+            err=True,
+        )
     code = run_and_tell(script, context.args, settings, as_json)
     raise typer.Exit(code)
+
+
+def _misplaced(context: typer.Context, script: Path) -> str | None:
+    """Return an option of this command among the script's arguments, where it reads none."""
+    try:
+        source = script.read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return None
+    if re.search(r"argv|argparse|click|typer|docopt|optparse|getopt|fire|absl", source):
+        return None
+    mine = {option for parameter in context.command.params for option in parameter.opts}
+    return next((one for one in context.args if one.partition("=")[0] in mine), None)
 
 
 def _print_script(content: bytes, encoding: str) -> None:

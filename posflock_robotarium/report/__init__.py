@@ -8,6 +8,8 @@ words. `compare` puts several side by side, `write_report` makes the page, figur
 from posflock_robotarium.alignment.analysis import Analysis, analyse, load
 from posflock_robotarium.alignment.comparison import Comparison, compare
 from posflock_robotarium.alignment.options import AnalysisOptions
+from posflock_robotarium.alignment.own_metrics import metric, own_metrics
+from posflock_robotarium.alignment.questions import Questions
 from posflock_robotarium.logs.readers import (
     LayoutError,
     ReadOptions,
@@ -22,11 +24,14 @@ __all__ = [
     "AnalysisOptions",
     "Comparison",
     "LayoutError",
+    "Questions",
     "ReadOptions",
     "Run",
     "analyse",
     "compare",
     "load",
+    "metric",
+    "own_metrics",
     "read",
     "read_parts",
     "write_report",

@@ -30,6 +30,7 @@ from posflock_robotarium.figures.style import (
     new_figure,
     save,
 )
+from posflock_robotarium.report.asked_figures import asked_metrics, target_lines, unmathematical
 from posflock_robotarium.report.following_figure import following_figure
 
 if TYPE_CHECKING:
@@ -81,13 +82,18 @@ def draw(analyses: Sequence[Analysis], folder: Path) -> list[Path]:
             "distances": lambda: distances(run),
             "motion": lambda: motion(run),
         }
+        if "gamma_motion" not in run.curves:  # nobody knows who is whose neighbour
+            del drawn["alignment"]
         for name, shown in figures().items():
             if any(metric.key in run.curves for metric in shown):
                 drawn.setdefault(name, partial(curves, run, name))
         if run.following is not None and not run.following.refused:
             drawn["following"] = partial(following_figure, run.following)
     else:
-        drawn = {"runs": lambda: runs(analyses)}
+        known = {key for analysis in analyses for key in analysis.curves}
+        drawn = {"runs": lambda: runs(analyses)} if known & set(_OF_ALL_RUNS) else {}
+        for key, name in asked_metrics(analyses).items():
+            drawn.setdefault(name, partial(overlaid, analyses, key))
     return [path for name, draw_one in drawn.items() for path in save(draw_one(), folder, name)]
 
 
@@ -196,13 +202,14 @@ def curves(analysis: Analysis, name: str) -> Figure:
     for metric, style in _styled(drawn):
         _curve(axes, analysis, metric, style)
     first = drawn[0]
+    target_lines(axes, [analysis], [metric.key for metric in drawn])
     axes.set(
         xlabel="time (s)",
         ylabel=_axis_label(first.label if len(drawn) == 1 else "", first),
         ylim=(None, None) if first.panel is None else first.panel.limits,
     )
-    if len(drawn) > 1:
-        _legend_above(axes, 3)
+    if len(axes.get_lines()) > 1:
+        _legend_above(axes, 2)
     for line in () if first.panel is None else first.panel.lines:
         _level(axes, line, analysis)
     _time_axis(axes, [analysis])
@@ -218,27 +225,12 @@ def runs(analyses: Sequence[Analysis]) -> Figure:
     analyses : sequence of Analysis
         What was computed of each run.
     """
-    figure = new_figure(7.2, 2.6)
-    left, right = figure.subplots(1, 2)
-    for axes, key in ((left, "gamma_motion"), (right, "smallest_distance")):
-        for k, analysis in enumerate(analyses):
-            if key in analysis.curves:
-                style = _STYLES[k % len(_STYLES)]
-                crowded = len(analyses) > len(_STYLES)
-                axes.plot(
-                    analysis.recording.t - analysis.recording.t[0],
-                    analysis.curves[key],
-                    color=GREY if crowded else style.colour,
-                    linestyle="-" if crowded else style.dash,
-                    linewidth=0.6 if crowded else 1.0,
-                    alpha=0.6 if crowded else 1.0,
-                    label=None if crowded else _plain(analysis.name),
-                )
-        if len(analyses) >= 3:
-            _mean_band(axes, analyses, key)
-        axes.set(xlabel="time (s)", ylabel=_axis_label(metrics()[key].label, metrics()[key]))
-        _time_axis(axes, analyses)
-    _legend_above(left, 4)
+    shown = [key for key in _OF_ALL_RUNS if any(key in run.curves for run in analyses)]
+    figure = new_figure(7.2 if len(shown) > 1 else 3.5, 2.6)
+    axes: list[Axes] = list(np.ravel(figure.subplots(1, len(shown))))
+    for one, key in zip(axes, shown, strict=True):
+        _runs_over_each_other(one, analyses, key)
+    _legend_above(axes[0], 4 if len(shown) > 1 else 2)
     return figure
 
 
@@ -258,6 +250,49 @@ def _level(axes: Axes, line: Line, analysis: Analysis) -> None:
         ha="right",
         va="bottom",
     )
+
+
+_OF_ALL_RUNS = ("gamma_motion", "smallest_distance")
+"""Curves that every figure of several runs shows, where they are known."""
+
+
+@in_style
+def overlaid(analyses: Sequence[Analysis], key: str) -> Figure:
+    """Draw one metric of every run, and their mean and 95 % interval.
+
+    Parameters
+    ----------
+    analyses : sequence of Analysis
+        What was computed of each run.
+    key : str
+        Of the metric.
+    """
+    figure = new_figure(3.5, 2.6)
+    axes = figure.subplots()
+    _runs_over_each_other(axes, analyses, key)
+    target_lines(axes, analyses, [key])
+    _legend_above(axes, 2)
+    return figure
+
+
+def _runs_over_each_other(axes: Axes, analyses: Sequence[Analysis], key: str) -> None:
+    for k, analysis in enumerate(analyses):
+        if key in analysis.curves:
+            style = _STYLES[k % len(_STYLES)]
+            crowded = len(analyses) > len(_STYLES)
+            axes.plot(
+                analysis.recording.t - analysis.recording.t[0],
+                analysis.curves[key],
+                color=GREY if crowded else style.colour,
+                linestyle="-" if crowded else style.dash,
+                linewidth=0.6 if crowded else 1.0,
+                alpha=0.6 if crowded else 1.0,
+                label=None if crowded else _plain(analysis.name),
+            )
+    if len(analyses) >= 3:
+        _mean_band(axes, analyses, key)
+    axes.set(xlabel="time (s)", ylabel=_axis_label(metrics()[key].label, metrics()[key]))
+    _time_axis(axes, analyses)
 
 
 def _mean_band(axes: Axes, analyses: Sequence[Analysis], key: str) -> None:
@@ -304,19 +339,19 @@ def _curve(axes: Axes, analysis: Analysis, metric: Metric, style: _Style) -> Non
     gaps = analysis.recording.gaps
     t = np.insert(analysis.recording.t, gaps, np.nan)
     values = np.insert(analysis.curves[metric.key].astype(float), gaps, np.nan)
-    label = metric.legend or metric.label
+    label = unmathematical(metric.legend or metric.label)
     axes.plot(
         t, values, color=style.colour, linestyle=style.dash, linewidth=style.width, label=label
     )
 
 
 def _axis_label(words: str, metric: Metric) -> str:
-    return f"{words} ({metric.unit or '–'})".strip()
+    return unmathematical(f"{words} ({metric.unit or '–'})".strip())
 
 
 def _plain(name: str) -> str:
     """Return a run's name as matplotlib draws it letter by letter: no mathematics, never hidden."""
-    return f" {name}".replace("$", r"\$")
+    return unmathematical(f" {name}")
 
 
 def _legend_above(axes: Axes, columns: int, backwards: bool = False) -> None:

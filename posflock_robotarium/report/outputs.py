@@ -6,6 +6,7 @@ import csv
 import json
 import re
 from collections.abc import Sequence
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ import numpy as np
 from posflock_robotarium.alignment.analysis import Analysis
 from posflock_robotarium.alignment.catalogue import scalars
 from posflock_robotarium.alignment.comparison import Comparison, compare
+from posflock_robotarium.alignment.reference_errors import ErrorStatistics, ReferenceErrors
 from posflock_robotarium.report.page import write_page
 from posflock_robotarium.report.words import number_text
 from rps_compat.whole_files import (
@@ -26,7 +28,9 @@ from rps_compat.whole_files import (
 
 _SUMMARY = "summary.json"
 #: Files of which one report may have more or fewer than another; nothing else is ever removed.
-_MANY = re.compile(r"[^/]+\.analysis\.npz|table\.tex|figures/[^/]+\.(png|pdf)")
+_MANY = re.compile(
+    r"[^/]+\.analysis\.npz|table\.tex|reference_errors\.csv|figures/[^/]+\.(png|pdf)"
+)
 
 
 def write_report(
@@ -36,6 +40,7 @@ def write_report(
     latex: bool = False,
     figures: bool = True,
     labels: Sequence[str] | None = None,
+    comparison: Comparison | None = None,
 ) -> list[Path]:
     """Write the whole report.
 
@@ -51,6 +56,8 @@ def write_report(
         Also draw ``figures/``.
     labels : sequence of str, optional
         What each of several runs counts as (see `comparison.compare`).
+    comparison : Comparison, optional
+        Of these runs, where they have been compared already; then `labels` are its own.
 
     Returns
     -------
@@ -62,7 +69,8 @@ def write_report(
     OutputError
         When the folder cannot be written; an earlier report in it then stays as it was.
     """
-    comparison = compare(analyses, labels) if len(analyses) > 1 else None
+    if comparison is None and len(analyses) > 1:
+        comparison = compare(analyses, labels)
     earlier = set(filter(_MANY.fullmatch, listed_in(folder / _SUMMARY)))
     with written_together(folder) as draft:
         written = [
@@ -77,6 +85,8 @@ def write_report(
             from posflock_robotarium.report.curve_figures import draw
 
             written += draw(analyses, draft / "figures")
+        if comparison is not None and comparison.errors:
+            written.append(write_errors(comparison.errors, draft / "reference_errors.csv"))
         names = [path.relative_to(draft).as_posix() for path in written]
         write_summary(analyses, comparison, draft / _SUMMARY, [*names, _SUMMARY])
     remove_listed(folder, earlier - set(names))
@@ -111,6 +121,41 @@ def write_curves(analyses: Sequence[Analysis], path: Path) -> Path:
             prefix = [_cell(analysis.name)] if several else []
             for row in np.stack(columns, axis=1).tolist():
                 table.writerow([*prefix, *("" if value != value else repr(value) for value in row)])
+    return path
+
+
+def write_errors(errors: Sequence[ReferenceErrors], path: Path) -> Path:
+    """Write the errors of runs against a reference as CSV, a row for each robot of each run.
+
+    Parameters
+    ----------
+    errors : sequence of ReferenceErrors
+        One a run.
+    path : Path
+        Where the CSV file is written.
+
+    Raises
+    ------
+    OutputError
+        Where it cannot be written.
+    """
+    kinds = {
+        "ape_position_m": "position",
+        "ape_heading_rad": "heading",
+        "rpe_motion_m": "motion",
+        "rpe_turning_rad": "turning",
+    }
+    names = [part.name for part in fields(ErrorStatistics)]
+    with atomic_write(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
+        table = csv.writer(file, lineterminator="\n")
+        heads = [f"{kind}_{name}" for kind in kinds for name in names]
+        table.writerow(["run", "reference", "robot", "samples", "pairs", *heads])
+        for run in errors:
+            for robot in run.robots:
+                found = (getattr(robot, kind) for kind in kinds.values())
+                cells = [repr(getattr(of, name)) if of else "" for of in found for name in names]
+                first = [_cell(run.run), _cell(run.reference), robot.robot]
+                table.writerow([*first, robot.samples, robot.pairs, *cells])
     return path
 
 

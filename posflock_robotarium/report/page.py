@@ -19,12 +19,17 @@ from posflock_robotarium import __version__
 from posflock_robotarium.alignment.analysis import Analysis
 from posflock_robotarium.alignment.catalogue import Number, panels, scalars
 from posflock_robotarium.alignment.comparison import Comparison, compare
+from posflock_robotarium.alignment.own_metrics import OWN_GROUP
+from posflock_robotarium.alignment.target_outcomes import TARGET_GROUP
 from posflock_robotarium.alignment.verdicts import headline
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.report.following_page import following_section
 from posflock_robotarium.report.page_data import EVENTS_SHOWN, page_data
 from posflock_robotarium.report.words import number_text, unbroken
 from rps_compat.whole_files import write_whole
+
+#: Headings of the table of numbers that are open at first: what somebody looks for.
+_OPENED = ("Alignment", "Formation", "Coverage", "Safety", OWN_GROUP, TARGET_GROUP)
 
 
 def render(analyses: Sequence[Analysis], comparison: Comparison | None = None) -> str:
@@ -82,8 +87,19 @@ def render(analyses: Sequence[Analysis], comparison: Comparison | None = None) -
         policy=_policy(scripts),
         licence=_asset("uPlot.LICENSE"),
         version=__version__,
-        definitions=[metric for _, drawn in panels() for metric in drawn],
-        columns=[scalar for scalar in scalars().values() if scalar.column],
+        definitions=[
+            metric
+            for _, drawn in panels()
+            for metric in drawn
+            if any(metric.key in analysis.curves for analysis in analyses)
+        ],
+        columns=[
+            scalar
+            for scalar in scalars().values()
+            if scalar.column and any(scalar.key in analysis.numbers for analysis in analyses)
+        ],
+        opened=_OPENED,
+        has_neighbours=any(analysis.options.radius is not None for analysis in analyses),
     )
 
 

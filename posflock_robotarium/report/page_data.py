@@ -72,7 +72,7 @@ class Replay:
     collision : pair of float
         Diameter, and how far ahead of the centre, metres.
     radius : list of float
-        Neighbour radius of each robot, metres.
+        Neighbour radius of each robot, metres; empty where it is not known.
     events : tuple of EventMark
         Faults, the first `EVENTS_SHOWN`.
     """
@@ -268,7 +268,9 @@ def _replay(analysis: Analysis, budget: int) -> Replay:
         span=span.tolist(),
         arena=tuple(robot.boundaries),
         collision=(robot.collision_diameter, robot.collision_offset),
-        radius=np.broadcast_to(np.asarray(analysis.options.radius, float), robots).tolist(),
+        radius=[]
+        if analysis.options.radius is None
+        else np.broadcast_to(np.asarray(analysis.options.radius, float), robots).tolist(),
         events=tuple(
             EventMark(
                 event.kind,
@@ -287,7 +289,7 @@ def _plot(panel: Panel, shown: Sequence[Metric], analysis: Analysis, stride: int
         for metric in shown
         if (curve := _known_curve(analysis, metric)) is not None
     ]
-    return _described(panel, panel.title, series, analysis)
+    return _described(panel, panel.title, series, analysis, shown)
 
 
 def _overlay(panel: Panel, metric: Metric, analyses: Sequence[Analysis], time: Floats) -> Plot:
@@ -302,7 +304,7 @@ def _overlay(panel: Panel, metric: Metric, analyses: Sequence[Analysis], time: F
         series.append(_series(analysis.name, metric, values))
     label = metric.label
     title = label[0].upper() + label[1:] if label[0].isascii() else label
-    return _described(panel, title, series, analyses[0])
+    return _described(panel, title, series, analyses[0], [metric])
 
 
 def _known_curve(analysis: Analysis, metric: Metric) -> Floats | None:
@@ -311,8 +313,14 @@ def _known_curve(analysis: Analysis, metric: Metric) -> Floats | None:
     return curve if curve is not None and np.isfinite(curve).any() else None
 
 
-def _described(panel: Panel, title: str, series: Sequence[Series], first: Analysis) -> Plot:
+def _described(
+    panel: Panel, title: str, series: Sequence[Series], first: Analysis, shown: Sequence[Metric]
+) -> Plot:
     lines = tuple((line.level(first.robot), line.label, line.always) for line in panel.lines)
+    keys = {metric.key for metric in shown}
+    lines += tuple(
+        (t.limit, f"target {t.limit:g}", True) for t in first.targets if t.metric in keys
+    )
     return Plot(panel.key, title, panel.unit, panel.limits, lines, tuple(series))
 
 

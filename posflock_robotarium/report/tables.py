@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from posflock_robotarium.alignment.comparison import Comparison
+from posflock_robotarium.alignment.reference_errors import ErrorStatistics
 from posflock_robotarium.report.words import number_text
 
 WIDEST = 22
@@ -53,6 +55,40 @@ def comparison_table(comparison: Comparison) -> Iterator[str]:
     yield ""
     for outcome, count in comparison.outcomes.items():
         yield f"{count} of {len(comparison.analyses)} runs: {outcome}"
+
+
+def reference_table(comparison: Comparison) -> Iterator[str]:
+    """Yield the lines of the tables of errors against the reference, a row a robot; none without.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        Runs side by side.
+    """
+    for errors in comparison.errors:
+        yield ""
+        yield (
+            f"{errors.run} against {errors.reference}, root mean square (largest); "
+            f"RPE over {errors.delta:.3g} s, {errors.frames} samples"
+        )
+        heads = ["robot", "APE position", "APE heading", "RPE motion", "RPE turning"]
+        rows = [heads]
+        for robot in errors.robots:
+            kinds = ((robot.position, "m"), (robot.heading, "rad"), (robot.motion, "m"))
+            cells = [_error(of, unit) for of, unit in (*kinds, (robot.turning, "rad"))]
+            rows.append([str(robot.robot), *cells])
+        widths = [max(len(row[k]) for row in rows) for k in range(len(heads))]
+        for row in rows:
+            padded = (cell.rjust(width) for cell, width in zip(row, widths, strict=True))
+            yield "  " + "  ".join(padded)
+
+
+def _error(of: ErrorStatistics | None, unit: str) -> str:
+    if of is None:
+        return "–"
+    if unit == "rad":
+        return f"{math.degrees(of.rmse):.2f}° ({math.degrees(of.largest):.2f}°)"
+    return f"{of.rmse:.4f} m ({of.largest:.4f} m)"
 
 
 def _short(name: str) -> str:

@@ -37,6 +37,8 @@ from posflock_robotarium.alignment.catalogue import (  # noqa: F401
     distances,
     cohesion,
     connectivity,
+    formation,
+    coverage,
     walls,
     certificate,
     confidence,

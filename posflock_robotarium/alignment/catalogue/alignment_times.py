@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
 from barrier_certificates import ties
 from posflock_robotarium.alignment.catalogue.gamma import alignment_of
 from posflock_robotarium.alignment.measured_run import MeasuredRun
-from posflock_robotarium.alignment.metric_registry import Scalar, register
+from posflock_robotarium.alignment.metric_registry import NumberFunction, Scalar, register
 
 
 def _aligned(run: MeasuredRun, estimator: str) -> NDArray[np.bool_]:
@@ -31,6 +33,19 @@ def _time_for_good(run: MeasuredRun, estimator: str) -> float:
     return float(t[lasting] - run.start) if lasting < len(t) else float("nan")
 
 
+def _of_neighbours(value: Callable[[MeasuredRun, str], float], estimator: str) -> NumberFunction:
+    """Return a number of γ by one estimator, that says nothing where no neighbours are known."""
+    return lambda run: value(run, estimator) if run.has_neighbours else None
+
+
+def _share(run: MeasuredRun, estimator: str) -> float:
+    return run.mean(_aligned(run, estimator).astype(float))
+
+
+def _steadiness(run: MeasuredRun, estimator: str) -> float:
+    return run.settled_mean(_aligned(run, estimator).astype(float))
+
+
 def _times(short: str, estimator: str, latex: bool) -> tuple[Scalar, ...]:
     threshold = "γ ≥ {run.options.threshold:g}"
     return (
@@ -41,7 +56,7 @@ def _times(short: str, estimator: str, latex: bool) -> tuple[Scalar, ...]:
             "From the start of the experiment to the first sample at or above the threshold; "
             "undefined when it is never reached.",
             "Alignment",
-            lambda run: _first_time(run, estimator),
+            _of_neighbours(_first_time, estimator),
         ),
         Scalar(
             f"time_aligned_for_good_{short}",
@@ -50,7 +65,7 @@ def _times(short: str, estimator: str, latex: bool) -> tuple[Scalar, ...]:
             "From the start of the experiment to the last time γ rises to the threshold and stays; "
             "undefined when the run ends below it.",
             "Alignment",
-            lambda run: _time_for_good(run, estimator),
+            _of_neighbours(_time_for_good, estimator),
             latex=latex,
         ),
         Scalar(
@@ -59,7 +74,7 @@ def _times(short: str, estimator: str, latex: bool) -> tuple[Scalar, ...]:
             "share",
             "Share of the whole run; samples where γ is undefined count as not aligned.",
             "Alignment",
-            lambda run: run.mean(_aligned(run, estimator).astype(float)),
+            _of_neighbours(_share, estimator),
             latex=latex,
         ),
         Scalar(
@@ -68,7 +83,7 @@ def _times(short: str, estimator: str, latex: bool) -> tuple[Scalar, ...]:
             "share",
             "The same {run.since}.",
             "Alignment",
-            lambda run: run.settled_mean(_aligned(run, estimator).astype(float)),
+            _of_neighbours(_steadiness, estimator),
         ),
     )
 

@@ -31,8 +31,8 @@ class Connectivity(NamedTuple):
 
 
 def _connectivity(run: MeasuredRun) -> Connectivity | None:
-    """Return both, computed only where the graph changes; None of a robot alone."""
-    if run.recording.robots < 2:
+    """Return both, computed only where the graph changes; None without neighbours."""
+    if run.recording.robots < 2 or not run.has_neighbours:
         return None
     found = np.empty((len(run.recording.t), 2))
     before: NDArray[np.bool_] | None = None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from posflock_robotarium.alignment import metrics
-from posflock_robotarium.alignment.measured_run import CurveFunction, MeasuredRun
+from posflock_robotarium.alignment.measured_run import CurveFunction, Floats, MeasuredRun
 from posflock_robotarium.alignment.metric_registry import Metric, NumberFunction, Scalar, register
 from posflock_robotarium.alignment.panels import ALIGNMENT, LEFT_OUT
 from posflock_robotarium.alignment.reductions import settled_mean
@@ -56,11 +56,16 @@ def least_speed(run: MeasuredRun, estimator: str) -> float:
 
 
 def _gamma(estimator: str) -> CurveFunction:
-    return lambda run: run.once(alignment_of, estimator).gamma
+    return lambda run: run.once(alignment_of, estimator).gamma if run.has_neighbours else None
 
 
 def _left_out(estimator: str) -> CurveFunction:
-    return lambda run: 1.0 - run.once(alignment_of, estimator).counted / run.recording.robots
+    def left_out(run: MeasuredRun) -> Floats | None:
+        if not run.has_neighbours:
+            return None
+        return 1.0 - run.once(alignment_of, estimator).counted / run.recording.robots
+
+    return left_out
 
 
 def _mean_gamma(short: str) -> NumberFunction:
@@ -68,8 +73,9 @@ def _mean_gamma(short: str) -> NumberFunction:
 
     def mean(run: MeasuredRun) -> float | None:
         left_out = of_left_out(run)
-        enough = left_out is not None and left_out <= 1.0 - FEWEST_COUNTED
-        return of_gamma(run) if enough else float("nan")
+        if left_out is None:
+            return None
+        return of_gamma(run) if left_out <= 1.0 - FEWEST_COUNTED else float("nan")
 
     return mean
 

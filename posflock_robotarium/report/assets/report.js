@@ -156,7 +156,7 @@ function drawArena() {
     }
     c.globalAlpha = 1;
   }
-  if ($("links").checked) {
+  if ($("links").checked && run.radius.length) {
     c.lineWidth = 1.4 * thin; c.strokeStyle = colour.link;
     c.beginPath();
     for (let i = 0; i < run.robots; i++)
@@ -290,13 +290,14 @@ function build(panel) {
       drawClear: [(u) => {
         const c = u.ctx;
         drawDrive(u, c);
+        let right = u.bbox.left + u.bbox.width - 3; // labels of levels that are close stand side by side
         for (const [value, label] of panel.lines) {
           const y = u.valToPos(value, "y", true);
           if (y < u.bbox.top || y > u.bbox.top + u.bbox.height) continue;
           c.save(); c.strokeStyle = colour.bad; c.fillStyle = colour.bad; c.lineWidth = devicePixelRatio; c.setLineDash([3 * devicePixelRatio, 3 * devicePixelRatio]);
           c.beginPath(); c.moveTo(u.bbox.left, y); c.lineTo(u.bbox.left + u.bbox.width, y); c.stroke();
           c.font = `${11 * devicePixelRatio}px system-ui, sans-serif`; c.textAlign = "right"; c.textBaseline = "bottom";
-          c.fillText(label, u.bbox.left + u.bbox.width - 3, y - 2); c.restore();
+          c.fillText(label, right, y - 2); right -= c.measureText(label).width + 9 * devicePixelRatio; c.restore();
         }
       }],
     },

@@ -1,0 +1,71 @@
+"""What is said of a formation, and of coverage, where a run is asked about them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from barrier_certificates import ties
+from posflock_robotarium.alignment.catalogue.coverage import SPACING
+from posflock_robotarium.alignment.catalogue.formation import KEPT
+from posflock_robotarium.alignment.run_verdict import Mark, RunVerdict
+
+MOVED = 0.05
+"""Share of robots and time that must move for a shape to have been taken up."""
+
+
+def kept_formation(v: Mapping[str, float]) -> RunVerdict:
+    """Say whether the team took up a shape and kept it.
+
+    Parameters
+    ----------
+    v : mapping of float
+        Numbers of the run by key.
+    """
+    question = "Did it take up a formation and keep it?"
+    if "shape_kept_from" not in v:
+        return RunVerdict(question, Mark.UNKNOWN, "One robot has no formation.", "")
+    end, since = v["shape_change_end"], v["shape_kept_from"]
+    because = (
+        f"Over the last tenth of the run, distances are up to {end:.3f} m (root mean square) off "
+        f"their means. Whether the shape is the one that was meant, a metric of your own tells."
+    )
+    if math.isnan(since) or ties.beyond(end, KEPT):
+        return RunVerdict(
+            question, Mark.BAD, "No: distances change to the end.", because, "no shape"
+        )
+    if since > 0:
+        return RunVerdict(question, Mark.GOOD, f"Yes, from {since:.1f} s on.", because, "in shape")
+    if ties.beyond(v["standing"], 1.0 - MOVED):
+        answer = "It kept the shape that it began with: nothing moves."
+        return RunVerdict(question, Mark.CAUTION, answer, because, "stood in shape")
+    return RunVerdict(question, Mark.GOOD, "Yes, throughout.", because, "in shape")
+
+
+def covered(v: Mapping[str, float]) -> RunVerdict:
+    """Say whether the team covers the arena.
+
+    Parameters
+    ----------
+    v : mapping of float
+        Numbers of the run by key.
+    """
+    question = "Does it cover the arena?"
+    start, end, offset = v["coverage_start"], v["coverage_end"], v["cell_offset_end"]
+    because = (
+        f"A place is {start:.3f} m from the nearest robot on average at the start, {end:.3f} m at "
+        f"the end, every place counting alike."
+    )
+    if math.isnan(offset):
+        because += " Some robot is nearest to no place."
+    else:
+        because += (
+            f" At the end, robots are up to {offset:.3f} m from the centroids of their cells."
+        )
+    # Half a place: the centroid of a cell is no better known.
+    if ties.within(offset, KEPT + SPACING / 2):
+        return RunVerdict(question, Mark.GOOD, "Yes, evenly.", because, "covering")
+    if ties.short_of(end, start):
+        answer = "Better than at the start, not evenly."
+        return RunVerdict(question, Mark.CAUTION, answer, because, "covering in part")
+    return RunVerdict(question, Mark.BAD, "No better than at the start.", because, "not covering")
