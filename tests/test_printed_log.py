@@ -71,6 +71,13 @@ def test_a_script_that_talks_of_collisions_has_had_none():
     assert printed_log_of("t,x,y\n0,1,2\n", "log.txt") is None
 
 
+def test_of_endless_printing_the_first_and_the_last_lines_count():
+    text = STAMPED + "\n" * 300_000 + COLLISION
+    found = printed_log_of(text, "log.txt")
+    assert found.robots == 2
+    assert found.collision
+
+
 @given(st.text())
 def test_any_text_is_read_or_tells_nothing(text):
     found = printed_log_of(text, "log.txt")

@@ -33,6 +33,9 @@ INCREMENTS = 5_000
 LEAST_ROWS = 200
 """Rows that it takes of a team so large that these are more."""
 
+LARGEST_COMMAND = 100.0
+"""m/s or rad/s beyond which a command is taken for damage."""
+
 _EVERY = 8
 """Every how manieth row is looked at for how much commands vary."""
 
@@ -149,10 +152,15 @@ def following_of(run: MeasuredRun) -> Following | None:
     recording = run.recording
     if recording.commands is None:
         return None
-    part = _most_varied(recording, run.start)
+    with np.errstate(over="ignore", invalid="ignore"):  # absurd commands are refused below
+        part = _most_varied(recording, run.start)
     first, last = float(part.t[0]), float(part.t[-1])
     if not part.headed:
         return Following((), (), None, None, first, last, refused="there are no headings in it")
+    told = float(np.abs(recording.commands).max())
+    if told > LARGEST_COMMAND:
+        reason = f"a command of {told:.3g} in it is none that a robot can be given"
+        return Following((), (), None, None, first, last, refused=reason)
     try:
         fitting = fitting_of(part)
     except LogError as error:
