@@ -104,11 +104,12 @@ def test_alignment_for_good_is_later_than_alignment_for_once():
     poses = np.zeros((300, 3, 2))
     poses[:, 0, 0] = poses[:, 0, 1] = 0.1 * t
     poses[:, 1, 1] = 0.3
-    poses[100:150, 2, 1] = 2.0
+    poses[:, 2, 1] = np.interp(np.arange(300), [99, 110, 139, 150], [0, 2, 2, 0])
     numbers = analyse(Run("wobble", t, poses), radius=0.75).numbers
     assert numbers["time_to_alignment_headings"].value == 0
-    assert numbers["time_aligned_for_good_headings"].value == pytest.approx(150 * 0.033)
-    assert numbers["share_aligned_headings"].value == pytest.approx(250 / 300)
+    below = np.flatnonzero(np.cos(poses[:, 2, 1]) < 0.9)
+    assert numbers["time_aligned_for_good_headings"].value == pytest.approx(t[below[-1] + 1])
+    assert numbers["share_aligned_headings"].value == pytest.approx(1 - len(below) / 300)
 
 
 def test_one_robot_is_analysed_without_alignment():

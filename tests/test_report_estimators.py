@@ -87,7 +87,7 @@ def test_the_noise_of_stretches_is_their_mean_by_length():
 
     assert found.position**2 == pytest.approx(mean(short.position**2, long.position**2))
     assert found.heading**2 == pytest.approx(mean(short.heading**2, long.heading**2))
-    slope = mean(short.course / short.position, long.course / long.position)
+    slope = np.sqrt(mean((short.course / short.position) ** 2, (long.course / long.position) ** 2))
     assert found.course == pytest.approx(found.position * slope)
 
 

@@ -7,10 +7,13 @@ metric_registry  what an entry holds: words, computation, numbers, where it is d
 catalogue        every metric over time and every number, one entry each
 panels           the plots that the page draws them in
 measured_run     a run whose metrics are computed when asked for; ``measuring`` asks
+of_seen          means over the robots that are seen
 reductions       the usual ways to take one number from a curve
 faults           collisions and boundary crossings, by the testbed's own test
 options          radius, window, thresholds
 verdicts         a judgement in words, where there are grounds for one
+certainty        how sure they are, by noise and by who is not seen
+fewest_runs      from how many runs on there are intervals
 analysis         all of it for one run; ``comparison``: for several
 truth            estimates against what a simulator knows
 summary          the numbers of the nine-robot experiment

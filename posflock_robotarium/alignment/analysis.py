@@ -19,6 +19,7 @@ import os
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -41,6 +42,7 @@ from posflock_robotarium.alignment.target_outcomes import (
 from posflock_robotarium.alignment.verdicts import RunVerdict, verdicts_of
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.flocking.flock import WALLS
+from posflock_robotarium.logs.plausibility import Sightings, of_robots, sightings_of
 from posflock_robotarium.logs.printed_log import PrintedLog
 from posflock_robotarium.logs.readers import ReadOptions, Run, read
 from posflock_robotarium.logs.readers.numpy_archives import read_npz
@@ -121,6 +123,17 @@ class Analysis:
         """Seconds of the transient, which numbers named "settled" leave out of a longer run."""
         return TRANSIENT if self.options.transient is None else self.options.transient
 
+    @cached_property
+    def sightings(self) -> Sightings:
+        """What is believed of the poses, and what is not."""
+        return sightings_of(self.recording, self.recording.t, counted=not self.recording.timed)
+
+    @cached_property
+    def believed(self) -> Run:
+        """The run without poses that are not believed: what was measured, and is drawn."""
+        found = self.sightings
+        return self.recording if found.impossible else of_robots(self.recording, found)
+
     @property
     def settled(self) -> NDArray[np.bool_]:
         """Samples that count for the numbers named "settled": (T,) booleans."""
@@ -159,6 +172,10 @@ class Analysis:
                 "events": [dataclasses.asdict(event) for event in self.events],
                 "asked": {**dataclasses.asdict(self.asked), "reason": self.asked.reason},
                 "targets": [dataclasses.asdict(target) for target in self.targets],
+                "poses_left_out": [
+                    {**dataclasses.asdict(entry), "why": entry.why.value}
+                    for entry in self.sightings.unbelieved
+                ],
                 "verdicts": [dataclasses.asdict(verdict) for verdict in self.verdicts],
                 "following": self.following and dataclasses.asdict(self.following),
                 "parameters": dict(recording.parameters),
@@ -239,7 +256,7 @@ def analyse(
     numbers = numbers_of(run)
     targets = outcomes_of(run, numbers)
     return Analysis(
-        recording=run.recording,
+        recording=recording,
         options=run.options,
         robot=run.robot,
         generation=run.recording.logged_robot.words,
@@ -254,6 +271,7 @@ def analyse(
             run.options.slowest,
             asked.questions,
             targets,
+            run.sightings,
         ),
         asked=asked,
         targets=targets,

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.alignment.analysis import Analysis
+from posflock_robotarium.alignment.fewest_runs import FEWEST_RUNS
 from posflock_robotarium.alignment.reference_errors import ReferenceErrors, errors_against
 from posflock_robotarium.alignment.verdicts import headline
 from posflock_robotarium.flocking.errors import ParameterError
@@ -24,8 +25,6 @@ from posflock_robotarium.flocking.errors import ParameterError
 Floats = NDArray[np.float64]
 
 RESAMPLES = 10_000
-FEWEST = 3
-"""Runs below which a bootstrap interval says nothing."""
 
 
 @dataclass(frozen=True)
@@ -250,7 +249,7 @@ def spread_of(values: Floats, *, seed: int = 0) -> Spread:
     if not known.size:
         return Spread(0, nan, nan, nan, nan, nan)
     mean, least, most = float(known.mean()), float(known.min()), float(known.max())
-    if known.size < FEWEST:
+    if known.size < FEWEST_RUNS:
         return Spread(int(known.size), mean, nan, nan, least, most)
     rng = np.random.default_rng(seed)
     drawn = rng.integers(0, known.size, size=(RESAMPLES, known.size))

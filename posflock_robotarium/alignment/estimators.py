@@ -17,7 +17,7 @@ from the log itself, and `expected_bias` turns it into how much γ is under-read
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,7 +30,7 @@ from posflock_robotarium.alignment.metrics import (
     velocities_by_differences,
 )
 from posflock_robotarium.flocking.errors import ParameterError
-from posflock_robotarium.logs.readers import Run
+from posflock_robotarium.logs.run import GAP_FACTOR, Run
 
 Floats = NDArray[np.float64]
 _SegmentEstimator = Callable[[Floats, Floats, int], Floats]
@@ -138,9 +138,56 @@ def _by_segment(recording: Run, points: int, estimator: _SegmentEstimator) -> Fl
     velocities = np.full(positions.shape, np.nan)
     for segment in recording.segments:
         t, p = recording.t[segment], positions[segment]
-        if len(t) >= 2:
-            velocities[segment] = estimator(t, p, points)
+        whole = np.isfinite(p).all(axis=(0, 1))
+        if len(t) >= 2 and whole.any():
+            chosen = slice(None) if whole.all() else whole
+            velocities[segment][:, :, chosen] = estimator(t, p[:, :, chosen], points)
+        for n in np.flatnonzero(~whole):
+            for rows in own_stretches(recording.t, positions[:, 0, n], segment):
+                _estimate_one(recording, velocities, rows, int(n), points, estimator)
     return velocities
+
+
+def _estimate_one(
+    recording: Run,
+    velocities: Floats,
+    rows: NDArray[np.intp],
+    n: int,
+    points: int,
+    estimator: _SegmentEstimator,
+) -> None:
+    """Estimate one robot's velocities in a stretch between its own gaps, if it is long enough."""
+    # Fewer samples than half a window would have more noise than motion.
+    if len(rows) >= max(2, (points + 1) // 2):
+        positions = recording.poses[rows, :2, n : n + 1]
+        velocities[rows, :, n : n + 1] = estimator(recording.t[rows], positions, points)
+
+
+def own_stretches(t: Floats, x: Floats, segment: slice) -> list[NDArray[np.intp]]:
+    """Return the stretches of one robot between its own gaps.
+
+    Parameters
+    ----------
+    t : (T,) array
+        Seconds of all rows.
+    x : (T,) array
+        One of its coordinates, NaN where it is not seen.
+    segment : slice
+        The rows to look at, without gaps of the whole team.
+
+    Returns
+    -------
+    list of (k,) integer array
+        Rows in which it is seen; a single one that is missing is no gap.
+    """
+    rows = segment.start + np.flatnonzero(np.isfinite(x[segment]))
+    if len(rows) < 2:
+        return [rows] if len(rows) else []
+    steps = np.diff(t[rows])
+    # As often as it is seen: a camera that sees it now and then has no gap each time.
+    usual = max(float(np.median(np.diff(t[segment]))), float(np.median(steps)))
+    gaps = np.flatnonzero(ties.beyond(steps, GAP_FACTOR * usual)) + 1
+    return list(np.split(rows, gaps))
 
 
 def _even_step(t: Floats) -> float | None:
@@ -239,30 +286,58 @@ def tracking_noise(recording: Run, speed: float, window: float = WINDOW) -> Trac
     TrackingNoise
         NaN where no stretch between gaps holds a whole window.
     """
-    points = max(5, window_points(recording.step, window))
+    own_points = window_points(recording.step, window)
+    points = max(5, own_points)
     samples = recording.poses.copy()
-    samples[:, 2] = np.unwrap(samples[:, 2], axis=0)
-    variances, slopes, weight = [], [], []
-    for segment in recording.segments:
-        t = recording.t[segment]
+    samples[:, 2] = _unwrapped(samples[:, 2])
+    variances, slopes, weight, robots = [], [], [], []
+    for rows, columns in _stretches_of_all(recording):
+        t = recording.t[rows]
         if len(t) < points:
             continue
-        value, slope, start = _fit_weights(t, points)
-        residual = samples[segment] - _weighted(samples[segment], value, start)
+        own = samples[rows][:, :, columns]
+        value, _, start = _fit_weights(t, points)
+        residual = own - _weighted(own, value, start)
         inner = slice(points // 2, len(t) - points // 2)
-        own = value[inner, points // 2]
-        scaled = residual[inner] ** 2 / (1 - own)[:, np.newaxis, np.newaxis]
-        variances.append(np.median(scaled, axis=0) / _MEDIAN_OF_CHI2)
-        slopes.append(float(np.sqrt((slope[inner] ** 2).sum(axis=1)).mean()))
+        centre = value[inner, points // 2]
+        scaled = residual[inner] ** 2 / (1 - centre)[:, np.newaxis, np.newaxis]
+        # The median forgives the few samples where a robot really jerks.
+        variances.append((np.median(scaled, axis=0) / _MEDIAN_OF_CHI2).mean(axis=1))
+        # As wide as the estimator's own window; at the ends of a stretch slopes are less sure.
+        slopes.append(float((_fit_weights(t, own_points)[1] ** 2).sum(axis=1).mean()))
         weight.append(len(t))
+        robots.append(len(columns))
     if not variances:
         return TrackingNoise(float("nan"), float("nan"), float("nan"))
-    # The median forgives the few samples where a robot really jerks.
-    variance = np.average(np.array(variances), axis=0, weights=weight)
+    by_samples = np.multiply(weight, robots)
+    variance = np.average(np.array(variances), axis=0, weights=by_samples)
     position = float(np.sqrt(variance[:2].mean()))
-    slope_gain = float(np.average(slopes, weights=weight))
+    slope_gain = float(np.sqrt(np.average(slopes, weights=by_samples)))
     course = position * slope_gain / speed if speed > 0 else float("nan")
-    return TrackingNoise(position, float(np.sqrt(variance[2].mean())), course)
+    return TrackingNoise(position, float(np.sqrt(variance[2])), course)
+
+
+def _stretches_of_all(recording: Run) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp]]]:
+    """Yield stretches without gaps: their rows, and the robots that they are of."""
+    x = recording.poses[:, 0]
+    for segment in recording.segments:
+        whole = np.isfinite(x[segment]).all(axis=0)
+        if whole.any():
+            yield np.arange(segment.start, segment.stop), np.flatnonzero(whole)
+        for n in np.flatnonzero(~whole):
+            for rows in own_stretches(recording.t, x[:, n], segment):
+                yield rows, np.array([n])
+
+
+def _unwrapped(headings: Floats) -> Floats:
+    """Return headings (T, N) without turns of 2π, whatever is missing in between."""
+    if not np.isnan(headings).any() or np.isnan(headings).all():
+        return np.asarray(np.unwrap(headings, axis=0), dtype=float)
+    unwrapped = headings.copy()
+    for n in range(headings.shape[1]):
+        known = np.isfinite(headings[:, n])
+        unwrapped[known, n] = np.unwrap(headings[known, n])
+    return unwrapped
 
 
 _MEDIAN_OF_CHI2 = 0.454936423119572

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from posflock_robotarium.alignment.estimators import Motion, estimate
 from posflock_robotarium.alignment.options import TRANSIENT, AnalysisOptions, settled_samples
 from posflock_robotarium.flocking.errors import ParameterError
+from posflock_robotarium.logs.plausibility import Sightings
 from posflock_robotarium.logs.run import Run
 from posflock_robotarium.logs.start import experiment_start
 from rps_compat.testbed import RobotModel
@@ -37,16 +38,22 @@ class MeasuredRun:
     Attributes
     ----------
     recording : Run
-        Poses over time.
+        Poses over time, each robot's own; NaN where none is believed.
     options : AnalysisOptions
         Radius, window and thresholds; the radius is the one to use.
     curve_functions : mapping of str
         How each curve is computed, by its key.
+    logged : Run
+        The same as it was logged.
+    sightings : Sightings
+        What of that is believed.
     """
 
     recording: Run
     options: AnalysisOptions
     curve_functions: Mapping[str, CurveFunction] = field(repr=False)
+    logged: Run = field(repr=False)
+    sightings: Sightings = field(repr=False)
     _found: dict[tuple[object, ...], Any] = field(default_factory=dict, init=False, repr=False)
 
     @cached_property
@@ -81,13 +88,23 @@ class MeasuredRun:
 
     @cached_property
     def positions(self) -> Floats:
-        """Positions in metres, shape (T, 2, N); not to be written."""
+        """Positions in metres, shape (T, 2, N), NaN where unseen; not to be written."""
         return read_only(self.recording.poses[:, :2])
 
     @property
     def has_neighbours(self) -> bool:
         """Whether it is known how far neighbours are seen, without which nobody has any."""
         return self.options.radius is not None
+
+    @cached_property
+    def seen(self) -> NDArray[np.bool_]:
+        """Which robots are seen when, shape (T, N)."""
+        return self.recording.seen
+
+    @cached_property
+    def all_seen(self) -> bool:
+        """Whether everybody is seen all the time, as nearly always."""
+        return bool(self.seen.all())
 
     @cached_property
     def radius(self) -> float | Floats:

@@ -9,6 +9,7 @@ from posflock_robotarium.alignment.measured_run import Floats, MeasuredRun
 from posflock_robotarium.alignment.options import AnalysisOptions
 from posflock_robotarium.alignment.questions import Questions, asked_of
 from posflock_robotarium.flocking.errors import ParameterError
+from posflock_robotarium.logs.plausibility import of_robots, sightings_of
 from posflock_robotarium.logs.run import Run
 from posflock_robotarium.logs.start import experiment_start
 
@@ -42,8 +43,10 @@ def measure(recording: Run, options: AnalysisOptions | None = None) -> MeasuredR
             f"{recording.name}: --transient is {options.transient:g} s, but the run ends after "
             f"{duration:.2f} s: nothing is left to take means over; give less, or leave it out"
         )
+    found = sightings_of(recording, recording.t, counted=not recording.timed)
+    own = recording if found.impossible else of_robots(recording, found)
     curves = {key: metric.curve for key, metric in catalogue.metrics().items()}
-    return MeasuredRun(recording, options, curves)
+    return MeasuredRun(own, options, curves, recording, found)
 
 
 def curves_of(run: MeasuredRun) -> dict[str, Floats]:

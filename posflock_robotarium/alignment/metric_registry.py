@@ -162,7 +162,7 @@ class Metric:
         if not re.fullmatch(r"[\w-]*", self.figure) or self.figure in _OTHER_FIGURES:
             raise ParameterError(
                 f"metric {self.key!r}: figure {self.figure!r}; expected a plain file name without "
-                f"ending, other than {' and '.join(_OTHER_FIGURES)}"
+                f"ending, other than {', '.join(_OTHER_FIGURES)}"
             )
         if self.of_interest not in REDUCTIONS:
             raise ParameterError(
@@ -171,7 +171,7 @@ class Metric:
             )
 
 
-_OTHER_FIGURES = ("snapshots", "runs")
+_OTHER_FIGURES = ("snapshots", "runs", "sightings")
 """Figures of a report that draw no metric of one run over time."""
 
 _METRICS: dict[str, Metric] = {}

@@ -75,6 +75,7 @@ WALLS = Panel("walls", "Distance to the nearest wall", "m", lines=(Line("wall"),
 COHESION = Panel("cohesion", "Cohesion", "m", (0.0, None))
 CONNECTIVITY = Panel("connectivity", "Connectivity", "", (0.0, None))
 HEADING = Panel("heading", "Heading of the flock", "rad")
+SEEN = Panel("seen", "Robots seen", "", (0.0, None))
 CERTIFICATE = Panel("certificate", "Certificate", "m/s", (0.0, None))
 CLEARANCE = Panel("clearance", "Clearance", "m", lines=(Line("unsafe"),))
 WHEELS = Panel("wheels", "Fastest wheel", "rad/s", (0.0, None))
@@ -91,6 +92,7 @@ READING_ORDER = (
     COVERAGE,
     ALIGNMENT,
     LEFT_OUT,
+    SEEN,
     POLARISATION,
     SPEED,
     DISTANCE,

@@ -143,7 +143,8 @@ def summarise(measures: Measures) -> dict[str, Floats]:
     -------
     dict of str to () or (B,) array
         In the units of :class:`Measures`; ``heading_spread`` in degrees,
-        ``alignment_time`` in seconds, infinite for a run that never aligned.
+        ``alignment_time`` in seconds, infinite for a run that never aligned; ``gamma_5s`` and
+        ``gamma_30s`` are absent of a run that ended before.
     """
     times, end = measures.times, measures.times[-1]
     window = _Window(times / end)
@@ -151,8 +152,7 @@ def summarise(measures: Measures) -> dict[str, Floats]:
     radius = window.rows(measures.cohesive_radius, 0.1, 1.0)
     return {
         "gamma_settled": window.mean(gamma, 0.2, 1.0),
-        "gamma_5s": gamma[..., ties.first_smallest(np.abs(times - 5.0))],
-        "gamma_30s": gamma[..., ties.first_smallest(np.abs(times - 30.0))],
+        **_at_times(times, gamma),
         "gamma_end": gamma[..., -1],
         "gamma_change": window.mean(gamma, 0.8, 1.0) - window.mean(gamma, 0.1, 0.3),
         "gamma_fluctuation": np.std(window.rows(gamma, 0.3, 1.0), axis=-1),
@@ -170,6 +170,15 @@ def summarise(measures: Measures) -> dict[str, Floats]:
         "distance_variance_end": measures.distance_variance[..., -1],
         "change_variance_settled": window.mean(measures.change_variance, 0.2, 1.0),
         "components_end": measures.components[..., -1],
+    }
+
+
+def _at_times(times: Floats, gamma: Floats) -> dict[str, Floats]:
+    """Return γ at the times that the run came to."""
+    return {
+        f"gamma_{second}s": np.asarray(gamma[..., ties.first_smallest(np.abs(times - second))])
+        for second in (5, 30)
+        if ties.reached(times[-1], second)
     }
 
 

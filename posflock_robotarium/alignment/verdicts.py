@@ -9,9 +9,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
-import numpy as np
-
 from barrier_certificates import ties
+from posflock_robotarium.alignment.certainty import certainty, unseen_safety
 from posflock_robotarium.alignment.following_verdict import following_verdict
 from posflock_robotarium.alignment.loop_verdict import loop_verdict
 from posflock_robotarium.alignment.metric_registry import Number
@@ -20,9 +19,12 @@ from posflock_robotarium.alignment.questions import Questions
 from posflock_robotarium.alignment.run_verdict import Mark, RunVerdict
 from posflock_robotarium.alignment.shape_verdicts import covered, kept_formation
 from posflock_robotarium.alignment.target_outcomes import TargetOutcome, verdict_of
+from posflock_robotarium.alignment.verdict_words import gamma_text as _g
+from posflock_robotarium.alignment.verdict_words import share_text as _pc
 from posflock_robotarium.alignment.whole_run import whole_run_verdict
-from posflock_robotarium.logs import plausibility
+from posflock_robotarium.logs.plausibility import Sightings, sightings_of
 from posflock_robotarium.logs.run import Run
+from posflock_robotarium.logs.told_sightings import Losses, losses_of
 
 MOSTLY = 0.5
 """A flock of which more than this share stands, stands."""
@@ -33,18 +35,7 @@ FEWEST_SAMPLES = SMOOTHING_POINTS
 SOME = 0.1
 """A share too large to pass over in silence."""
 
-WRONG_HEADINGS = 0.35
-"""Radians (20°) between headings and motion that no tracking offset explains."""
-
-NOISY = 0.005
-"""Metres of tracking noise, ten times that of the testbed, which positions are noisy with."""
-
-DOUBTFUL_HEADINGS = 0.15
-"""The same (9°) where headings begin at values that are no angles in radians."""
-
 __all__ = ["Mark", "RunVerdict", "headline", "verdicts_of"]
-
-SURE = "How sure are we?"
 
 
 def verdicts_of(
@@ -54,13 +45,14 @@ def verdicts_of(
     slowest: float,
     questions: Questions = Questions.FLOCKING,
     targets: Sequence[TargetOutcome] = (),
+    found: Sightings | None = None,
 ) -> tuple[RunVerdict, ...]:
     """Judge a run by its numbers.
 
     Parameters
     ----------
     recording : Run
-        For what the log says about how the run ended.
+        Poses as logged, and what the log says about how the run ended.
     numbers : mapping of Number
         From `measuring.numbers_of`.
     threshold : float
@@ -71,6 +63,8 @@ def verdicts_of(
         What the run is asked.
     targets : sequence of TargetOutcome
         How it did by its targets.
+    found : Sightings, optional
+        What is believed of the poses; looked for by default.
 
     Returns
     -------
@@ -79,19 +73,25 @@ def verdicts_of(
         safe? Within limits? How sure? As told? In time? The whole run?
     """
     value = {key: float(number.value) for key, number in numbers.items()}
+    if found is None:
+        found = sightings_of(recording, recording.t, counted=not recording.timed)
+    losses = losses_of(recording, found)
     verdicts = [verdict_of(target) for target in targets]
     flocking = questions is Questions.FLOCKING
     if flocking:
-        verdicts += [_aligned(value, threshold, slowest, recording.headed), _together(value)]
+        verdicts += [
+            _aligned(value, threshold, slowest, recording.headed),
+            _together(value, losses),
+        ]
     elif questions is Questions.FORMATION:
         verdicts.append(kept_formation(value))
     elif questions is Questions.COVERAGE:
         verdicts.append(covered(value))
     stopped = recording.printed is not None and recording.printed.collision
-    verdicts.append(_safe(value, stopped=stopped))
+    safe = _safe(value, stopped=stopped)
+    verdicts.append(unseen_safety(safe, value, recording, losses))
     verdicts += _limits(value)
-    sure = _in_degrees(recording, value) or _jumping(recording) or _sure(value, flocking)
-    verdicts.append(sure)
+    verdicts.append(certainty(recording, value, found, losses, flocking))
     verdicts += following_verdict(value)
     verdicts += loop_verdict(recording, value)
     verdicts += whole_run_verdict(recording, value)
@@ -197,13 +197,18 @@ def _when(v: Mapping[str, float], threshold: float) -> str:
     )
 
 
-def _together(v: Mapping[str, float]) -> RunVerdict:
+def _together(v: Mapping[str, float], losses: Losses) -> RunVerdict:
     question = "Did it stay together?"
     if v["robots"] < 2:
         return RunVerdict(question, Mark.UNKNOWN, "One robot.", "")
+    if math.isnan(v["components"]):
+        because = "Those who are seen have parted, but who is not seen may link them."
+        return RunVerdict(question, Mark.UNKNOWN, "Unknown: too few robots are seen.", because)
     ratio = v["cohesive_radius_ratio"]
     varying = "" if math.isnan(ratio) else f", varying by a factor of {ratio:.2f}"
     radius = f"The cohesive radius is {v['cohesive_radius']:.2f} m{varying}."
+    if losses.seen < 1.0:
+        radius += " All of it is told of the robots that are seen."
     if v["components"] <= 1:
         because = f"Algebraic connectivity never below {v['algebraic_connectivity']:.2g}. {radius}"
         return RunVerdict(question, Mark.GOOD, "Yes, one group throughout.", because, "together")
@@ -292,96 +297,3 @@ def _limits(v: Mapping[str, float]) -> Iterator[RunVerdict]:
         yield RunVerdict(
             question, Mark.GOOD, "Yes.", f"No wheel over its limit, no stall. {helped}"
         )
-
-
-def _in_degrees(recording: Run, v: Mapping[str, float]) -> RunVerdict | None:
-    """Judge headings that begin beyond a full turn, and that motion does not confirm."""
-    first = float(np.nanmax(np.abs(recording.poses[0, 2]))) if recording.headed else 0.0
-    if first <= 2 * math.pi or not v["heading_offset"] > DOUBTFUL_HEADINGS:
-        return None
-    return RunVerdict(
-        SURE,
-        Mark.BAD,
-        "Not at all: headings seem to be in degrees.",
-        f"They begin at up to {first:.3g}, which is no angle in radians, and robots do not move "
-        "along them: report again with --degrees.",
-    )
-
-
-def _jumping(recording: Run) -> RunVerdict | None:
-    """Judge poses that no wheels can reach."""
-    told = plausibility.told(recording) if recording.headed else None
-    return None if told is None else RunVerdict(SURE, Mark.BAD, *told)
-
-
-def _sure(v: Mapping[str, float], flocking: bool) -> RunVerdict:
-    question = SURE
-    if v["heading_offset"] > WRONG_HEADINGS:
-        return RunVerdict(
-            question,
-            Mark.BAD,
-            "Not at all: headings and motion disagree.",
-            f"Robots move at {math.degrees(v['heading_offset']):.0f}° to their headings, which "
-            "wheels cannot do: are headings in radians, and columns in the right order?",
-        )
-    noise, course = v["noise_position"], v["noise_course"]
-    count = int(v["gaps"])
-    gaps = (
-        f" {count} gap{'s' if count > 1 else ''}, {v['gap_time']:.1f} s, left as such."
-        if count
-        else ""
-    )
-    if math.isnan(noise):
-        return RunVerdict(question, Mark.UNKNOWN, "Too short to measure the noise.", gaps.strip())
-    tracked = f"Tracking noise, measured in this log, is {_length(noise)}"
-    if not flocking:
-        sharp = ties.within(noise, NOISY)
-        mark, word = (Mark.GOOD, "sharp") if sharp else (Mark.CAUTION, "noisy")
-        return RunVerdict(question, mark, f"Positions are {word}.", f"{tracked}.{gaps}")
-    bias = v["gamma_bias"]
-    if math.isnan(course):
-        return RunVerdict(
-            question,
-            Mark.CAUTION,
-            "Directions of motion are undefined.",
-            f"{tracked}; nothing moves.{gaps}",
-        )
-    because = (
-        f"{tracked}, so a direction of motion is sure to {math.degrees(course):.2g}° and γ from "
-        f"motion is under-read by {_bias(bias)}; raw differences read "
-        f"{_g(v['gamma_differences'])}.{gaps}"
-    )
-    if ties.beyond(v["left_out_motion"], 0.25):
-        answer = "γ from motion speaks for few robots."
-        return RunVerdict(
-            question, Mark.CAUTION, answer, f"It leaves out {_pc(v['left_out_motion'])}. {because}"
-        )
-    if bias > 0.02:
-        return RunVerdict(question, Mark.CAUTION, "γ from motion is noisy.", because)
-    return RunVerdict(question, Mark.GOOD, "The estimate is sharp.", because)
-
-
-def _g(gamma: float) -> str:
-    if math.isnan(gamma):
-        return "undefined"
-    # 0.9996 must not read as a perfect 1.000.
-    return f"{gamma:.5f}" if 0.9995 <= gamma < 0.999995 else f"{gamma:.3f}"
-
-
-def _pc(share: float) -> str:
-    percent = 100.0 * share
-    if 0 < percent < 1 or 99 < percent < 100:
-        return (
-            f"{percent:.1f} %"
-            if 0.05 <= percent < 99.95
-            else ("under 0.1 %" if percent < 1 else "over 99.9 %")
-        )
-    return f"{percent:.0f} %"
-
-
-def _bias(bias: float) -> str:
-    return f"about {bias:.1g}" if bias >= 1e-4 else "less than 0.0001"
-
-
-def _length(metres: float) -> str:
-    return f"{1000 * metres:.2f} mm" if metres >= 5e-6 else "below 0.01 mm"

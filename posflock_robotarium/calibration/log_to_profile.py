@@ -26,13 +26,14 @@ from posflock_robotarium.calibration.step_times import StepTimes, TimesOrigin, s
 from posflock_robotarium.calibration.tracking import heading_offsets, lateral_jitter
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.logs.plausibility import (
-    TOO_MANY_JUMPS,
     Sightings,
     sightings_of,
 )
 from posflock_robotarium.logs.run import Run
 
 Floats = NDArray[np.float64]
+#: Increments without which nothing can be fitted.
+_FEWEST = 60
 _GAINS = (FittedParameter.SPEED_GAIN, FittedParameter.TURN_GAIN)
 
 
@@ -98,7 +99,7 @@ def fitting_of(log: Run, step_times: float | Floats | None = None) -> Fitting:
         raise LogError(f"{log.name}: {NO_COMMANDS}")
     times = step_times_of(log, step_times)
     sightings = sightings_of(log, times.t, times.origin is TimesOrigin.NOMINAL)
-    if float(sightings.jumps.mean()) > TOO_MANY_JUMPS:
+    if sightings.impossible:
         raise LogError(
             f"{log.name}: in {sightings.jumps.mean():.0%} of the rows robots would have driven"
             f" faster than their wheels turn, with {times}; give the time between rows with --dt,"
@@ -110,6 +111,12 @@ def fitting_of(log: Run, step_times: float | Floats | None = None) -> Fitting:
     )
     known = np.array([0.0 if offset is None else offset.value for offset in offsets])
     data = increments_of(log, known, times, sightings)
+    if int(data.known.sum()) < _FEWEST:
+        raise LogError(
+            f"{log.name}: the log determines nothing of how its robots follow commands: only "
+            f"{int(data.known.sum())} increments of robots that are seen in two rows one after the "
+            f"other; expected at least {_FEWEST}"
+        )
     fit = Fit(data)
     fitted = fit.solve()
     if times.origin is TimesOrigin.NOMINAL and (stalls := hidden_stalls(fit, sightings.stalls)):

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from posflock_robotarium.commands import options
+from posflock_robotarium.commands.reading import reading as reading_as
 from posflock_robotarium.commands.terminal import say
 
 if TYPE_CHECKING:
@@ -28,6 +29,14 @@ def calibrate(
     columns: options.Columns = None,
     array: options.Array = None,
     drop_damaged: options.DropDamaged = False,
+    units: options.LengthUnit = None,
+    degrees: options.Degrees = False,
+    time: options.FileClock = "file",
+    max_size: options.LargestLog = 256.0,
+    max_robots: options.MostRobots = 200,
+    arena: options.Arena = None,
+    collision_diameter: options.CollisionDiameter = None,
+    fix_swaps: options.FixSwaps = False,
     events: options.EventLog = None,
     script: options.EventScript = None,
     profile: options.EventBase = "gritsbot_x",
@@ -62,9 +71,21 @@ def calibrate(
     if events is not None and script is not None:
         _calibrate_events(events, script, out, name, profile, trials, jobs, json_only)
     if log is not None:
-        from posflock_robotarium.logs.readers import ReadOptions
-
-        reading = ReadOptions(layout, columns, dt, array, drop_damaged)
+        reading = reading_as(
+            layout,
+            columns,
+            dt,
+            array,
+            drop_damaged,
+            units,
+            degrees,
+            time,
+            max_size,
+            max_robots,
+            arena,
+            collision_diameter,
+            fix_swaps,
+        )
         _calibrate_log(log, out, name, pooled, resimulate, reading, step_times, json_only)
 
 

@@ -78,6 +78,28 @@ LargestLog = Annotated[
     float, typer.Option("--max-size", help="MB of memory that a log may take.", show_default=True)
 ]
 MostRobots = Annotated[int, typer.Option("--max-robots", help="Robots that a log may have.")]
+Arena = Annotated[
+    str | None,
+    typer.Option(
+        "--arena",
+        metavar="LEFT,RIGHT,BOTTOM,TOP",
+        help="The arena's edges in metres, whatever the log says: --arena=-1.6,1.6,-1,1",
+        show_default=False,
+    ),
+]
+CollisionDiameter = Annotated[
+    float | None,
+    typer.Option(
+        "--collision-diameter",
+        metavar="METRES",
+        help="Nearer than this robots collide, whatever the log says.",
+        show_default=False,
+    ),
+]
+FixSwaps = Annotated[
+    bool,
+    typer.Option("--fix-swaps", help="Give robots that are taken for each other their own poses."),
+]
 Joined = Annotated[bool, typer.Option("--join", help="The files are parts of one run.")]
 
 # --- How to analyse them ------------------------------------------------------------------------

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from posflock_robotarium.commands import options, question_options
+from posflock_robotarium.commands.reading import reading as reading_as
 from posflock_robotarium.commands.terminal import say
 
 if TYPE_CHECKING:
@@ -27,6 +28,9 @@ def report(
     time: options.FileClock = "file",
     max_size: options.LargestLog = 256.0,
     max_robots: options.MostRobots = 200,
+    arena: options.Arena = None,
+    collision_diameter: options.CollisionDiameter = None,
+    fix_swaps: options.FixSwaps = False,
     join: options.Joined = False,
     radius: options.Radius = None,
     window: options.Window = 0.36,
@@ -58,8 +62,20 @@ def report(
     from posflock_robotarium.alignment.own_metrics import own_metrics
     from posflock_robotarium.report.outputs import write_report
 
-    reading = _reading(
-        layout, columns, dt, array, drop_damaged, units, degrees, time, max_size, max_robots
+    reading = reading_as(
+        layout,
+        columns,
+        dt,
+        array,
+        drop_damaged,
+        units,
+        degrees,
+        time,
+        max_size,
+        max_robots,
+        arena,
+        collision_diameter,
+        fix_swaps,
     )
     judged = _judged(radius, window, slowest, transient, drive, questions, target)
     with own_metrics(metric or ()):
@@ -111,6 +127,9 @@ def compare(
     time: options.FileClock = "file",
     max_size: options.LargestLog = 256.0,
     max_robots: options.MostRobots = 200,
+    arena: options.Arena = None,
+    collision_diameter: options.CollisionDiameter = None,
+    fix_swaps: options.FixSwaps = False,
     radius: options.Radius = None,
     window: options.Window = 0.36,
     slowest: options.Slowest = 0.01,
@@ -143,8 +162,20 @@ def compare(
     from posflock_robotarium.alignment.own_metrics import own_metrics
     from posflock_robotarium.report.outputs import write_report
 
-    reading = _reading(
-        layout, columns, dt, array, drop_damaged, units, degrees, time, max_size, max_robots
+    reading = reading_as(
+        layout,
+        columns,
+        dt,
+        array,
+        drop_damaged,
+        units,
+        degrees,
+        time,
+        max_size,
+        max_robots,
+        arena,
+        collision_diameter,
+        fix_swaps,
     )
     judged = _judged(radius, window, slowest, transient, drive, questions, target)
     named = labels.split(",") if labels else None
@@ -178,6 +209,9 @@ def replay(
     time: options.FileClock = "file",
     max_size: options.LargestLog = 256.0,
     max_robots: options.MostRobots = 200,
+    arena: options.Arena = None,
+    collision_diameter: options.CollisionDiameter = None,
+    fix_swaps: options.FixSwaps = False,
 ) -> None:
     """Film a run from above.
 
@@ -195,8 +229,20 @@ def replay(
 
     recording = read(
         log,
-        _reading(
-            layout, columns, dt, array, drop_damaged, units, degrees, time, max_size, max_robots
+        reading_as(
+            layout,
+            columns,
+            dt,
+            array,
+            drop_damaged,
+            units,
+            degrees,
+            time,
+            max_size,
+            max_robots,
+            arena,
+            collision_diameter,
+            fix_swaps,
         ),
     )
     with progress("filming") as told:
@@ -218,6 +264,9 @@ def convert(
     time: options.FileClock = "file",
     max_size: options.LargestLog = 256.0,
     max_robots: options.MostRobots = 200,
+    arena: options.Arena = None,
+    collision_diameter: options.CollisionDiameter = None,
+    fix_swaps: options.FixSwaps = False,
 ) -> None:
     """Write a log in another tool's format.
 
@@ -239,43 +288,22 @@ def convert(
         raise ParameterError(f"--out {target} does not end in .{to}")
     if target.exists() and target.resolve() == log.resolve():
         raise ParameterError(f"{target} is the log itself; name another file with --out")
-    reading = _reading(
-        layout, columns, dt, array, drop_damaged, units, degrees, time, max_size, max_robots
-    )
-    say(f"wrote {write(read(log, reading), target)}")
-
-
-def _reading(
-    layout: str | None,
-    columns: str | None,
-    dt: float | None,
-    array: str | None,
-    drop_damaged: bool,
-    units: str | None,
-    degrees: bool,
-    time: str,
-    max_size: float,
-    max_robots: int,
-) -> "ReadOptions":
-    from posflock_robotarium.flocking.errors import ParameterError
-    from posflock_robotarium.logs.readers import Bounds, Lengths, LogClock
-    from posflock_robotarium.report import ReadOptions
-
-    if units is not None and units not in (known := [length.value for length in Lengths]):
-        raise ParameterError(f"--units {units!r} is none of {', '.join(known)}")
-    if time not in (clocks := [clock.value for clock in LogClock]):
-        raise ParameterError(f"--time {time!r} is none of {', '.join(clocks)}")
-    return ReadOptions(
+    reading = reading_as(
         layout,
         columns,
         dt,
         array,
         drop_damaged,
-        Bounds(max_size, max_robots),
-        LogClock(time),
-        None if units is None else Lengths(units),
+        units,
         degrees,
+        time,
+        max_size,
+        max_robots,
+        arena,
+        collision_diameter,
+        fix_swaps,
     )
+    say(f"wrote {write(read(log, reading), target)}")
 
 
 def _judged(

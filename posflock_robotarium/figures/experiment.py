@@ -84,8 +84,11 @@ def snapshots(log: Run, times: Sequence[float] | None = None) -> Figure:
         _arena(axes, log)
         recent = (log.t <= log.t[row]) & ties.reached(log.t, log.t[row] - TRAIL)
         axes.plot(log.poses[recent, 0], log.poses[recent, 1], color=GREY, linewidth=0.7, zorder=1)
-        for pose in log.poses[row].T:
-            _robot(axes, pose)
+        for n, pose in enumerate(log.poses[row].T):
+            if np.isfinite(pose).all():
+                _robot(axes, pose)
+            else:
+                _last_seen(axes, log.poses[: row + 1, :, n])
         axes.set_title(f"({letter})  t = {log.t[row]:.0f} s", fontsize=8, pad=3)
     for axes in panels[-1]:
         axes.set_xlabel("x (m)")
@@ -157,7 +160,7 @@ def _distances(axes: Axes, run: MeasuredRun) -> None:
         if values is not None:
             label = metric.legend or metric.label
             axes.plot(t, values, color=colour, linestyle=dash, linewidth=1.1, label=label)
-            top = max(top, float(values.max()))
+            top = max(top, float(np.nanmax(values, initial=0.0)))
     collision = run.robot.collision_diameter
     axes.axhline(collision, color=GREY, linewidth=0.8)
     axes.text(
@@ -177,8 +180,8 @@ def _speeds(axes: Axes, run: MeasuredRun) -> None:
     t, speeds = run.recording.t, run.speeds
     axes.fill_between(
         t,
-        speeds.min(axis=1),
-        speeds.max(axis=1),
+        np.fmin.reduce(speeds, axis=1),
+        np.fmax.reduce(speeds, axis=1),
         color=BLUE,
         alpha=0.2,
         linewidth=0,
@@ -217,6 +220,14 @@ def _arena(axes: Axes, log: Run) -> None:
     axes.set_yticks([-1, 0, 1])
     for spine in axes.spines.values():
         spine.set_visible(False)
+
+
+def _last_seen(axes: Axes, poses: NDArray[np.float64]) -> None:
+    """Mark where a robot (T, 3) was last that is not seen, or whose heading is not known."""
+    seen = np.flatnonzero(np.isfinite(poses[:, 0]))
+    if seen.size:
+        x, y = poses[seen[-1], :2]
+        axes.plot(x, y, "x", color="#555555", markersize=4, markeredgewidth=0.8, zorder=2)
 
 
 def _robot(axes: Axes, pose: NDArray[np.float64]) -> None:

@@ -6,6 +6,7 @@ The 3D panel shows the robots without any extension.
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -80,6 +81,13 @@ def write_mcap(recording: Run, path: Path) -> None:
 
 
 def _pose(x: float, y: float, heading: float) -> Json:
+    """Return a pose; one that is not known has null for its numbers, which JSON has no NaN for."""
+    if math.isnan(x):
+        return {
+            "position": {"x": None, "y": None, "z": 0.0},
+            "orientation": {"x": 0.0, "y": 0.0, "z": None, "w": None},
+        }
+    heading = 0.0 if math.isnan(heading) else heading
     return {
         "position": {"x": x, "y": y, "z": 0.0},
         "orientation": {
@@ -92,7 +100,7 @@ def _pose(x: float, y: float, heading: float) -> Json:
 
 
 def _scene(stamp: dict[str, int], poses: list[Json]) -> Json:
-    """Return one entity a robot: its body, and an arrow along its heading."""
+    """Return one entity a robot that is seen: its body, and an arrow along its heading."""
     size = {"x": ROBOT_LENGTH, "y": ROBOT_WIDTH, "z": 0.06}
     blue = {"r": 0.0, "g": 0.447, "b": 0.698, "a": 1.0}
     white = {"r": 1.0, "g": 1.0, "b": 1.0, "a": 1.0}
@@ -120,8 +128,14 @@ def _scene(stamp: dict[str, int], poses: list[Json]) -> Json:
             "models": [],
         }
         for index, pose in enumerate(poses, start=1)
+        if pose["position"]["x"] is not None
     ]
-    return {"deletions": [], "entities": entities}
+    gone = [
+        {"timestamp": stamp, "type": 0, "id": f"robot {index}"}
+        for index, pose in enumerate(poses, start=1)
+        if pose["position"]["x"] is None
+    ]
+    return {"deletions": gone, "entities": entities}
 
 
 def _numbers(*names: str) -> Json:

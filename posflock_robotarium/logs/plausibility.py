@@ -1,50 +1,52 @@
 """Where a log's poses are really those of the robot: no teleports, no placeholders, no other robot.
 
-A tracker that loses a robot writes its last pose, zeros or -9999, and one that mistakes robots for
-each other writes the other's pose.  All of these are jumps that no wheels can drive.  Jumps cut a
-robot's rows into stretches, and a stretch is believed unless
+A tracker that loses a robot writes nothing, its last pose, zeros or -9999, and one that mistakes
+robots for each other writes the other's pose.  Each robot's poses are believed or not on their own:
 
-- it stands perfectly still next to a jump: a placeholder, since a tracker's poses always jitter;
-- it begins out of reach of where the robot was last believed, and a later one does not: for a while
-  the tracker took something else for this robot;
-- it begins where another robot was, and nobody comes back: the two are mistaken for good.
-
-A robot that really was carried somewhere is believed again from there.
+- what is missing, or was held (`held`), is no pose;
+- jumps that no wheels can drive tell placeholders and other things from the robot (`teleports`);
+- robots that exchange their places exchanged their names (`exchanges`): these poses are somebody's,
+  and count for the team, not for the robot whose name they have.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from enum import Enum
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
+from posflock_robotarium.logs.exchanges import Exchange, by_robot, exchanges_of, undone
+from posflock_robotarium.logs.held import held_poses, nobody_new, stretches_of
 from posflock_robotarium.logs.run import Run
-from rps_compat.kinematics import wrap
-from rps_compat.testbed import RobotModel
+from posflock_robotarium.logs.teleports import (
+    REACH,
+    elsewhere,
+    fastest,
+    jumps_of,
+    placeholders_of,
+)
 
 Floats = NDArray[np.float64]
-#: Faster than wheels turn by this factor, and farther than these, m and rad, is a jump.
-_FACTOR, _NEAR, _ASKEW = 1.5, 0.01, 0.2
-#: What a robot may have moved unseen beyond the way at full speed, m.
-_REACH = 0.03
+Booleans = NDArray[np.bool_]
 #: Share of the increments that may be jumps before the times or the units are to blame.
 TOO_MANY_JUMPS = 0.2
 #: As far as a robot drives in a stall, m.
 _STALLED = 1.0
-#: How many jumps a sentence names.
-_NAMED = 6
-#: Equal rows from which on a pose is taken for a placeholder.
-_EQUAL_ROWS = 3
 
 
 class Why(Enum):
     """Why rows of a robot are not believed."""
 
+    MISSING = "missing"
+    UNHEADED = "heading missing"
+    HELD = "an old pose again"
     UNSEEN = "not tracked"
     ELSEWHERE = "taken for something else"
+    EXCHANGED = "taken for another robot"
 
 
 @dataclass(frozen=True)
@@ -84,19 +86,35 @@ class Sightings:
     jumps : (K, N) boolean array
         Faster than wheels turn.
     unbelieved : tuple of Unbelieved
-        Stretches that are left out.
+        Stretches that are left out, those under another robot's name among them.
     stalls : (K,) boolean array
         Rows in which most robots at once went too far for a nominal step: no teleports, but stalls
         of the loop that the log's times hide.
     spikes : (K, N) boolean array
         Increments that no noise explains; none before there is a fit.
+    placed : (T, N) boolean array
+        Which poses are those of a robot of the team, under whatever name.
+    names : (T, N) integer array
+        Column in which the pose of each robot stands.
+    exchanges : tuple of Exchange
+        When this changed.
+    repeated : (T,) boolean array
+        Rows in which all who are seen have old poses: nothing is lost in them, since the next frame
+        says where robots are.
+    impossible : bool
+        Whether so much of the motion is too fast that no such robot moves like that.
     """
 
-    known: NDArray[np.bool_]
-    jumps: NDArray[np.bool_]
+    known: Booleans
+    jumps: Booleans
     unbelieved: tuple[Unbelieved, ...]
-    stalls: NDArray[np.bool_]
-    spikes: NDArray[np.bool_]
+    stalls: Booleans
+    spikes: Booleans
+    placed: Booleans
+    names: NDArray[np.intp]
+    exchanges: tuple[Exchange, ...]
+    repeated: Booleans
+    impossible: bool = False
 
 
 def sightings_of(log: Run, t: Floats, counted: bool = False) -> Sightings:
@@ -111,149 +129,158 @@ def sightings_of(log: Run, t: Floats, counted: bool = False) -> Sightings:
     counted : bool
         Whether these were counted, not read from a clock, and so may hide stalls.
     """
-    poses, robot = log.poses, log.robot
-    jumps = _jumps(poses, np.diff(t), robot)
-    stalls = _together(poses, jumps) & counted
-    jumps = jumps & ~stalls[:, None]
-    if jumps.mean() > TOO_MANY_JUMPS:  # no robot's poses, in these units and at these times
-        return Sightings(~jumps, jumps, (), stalls, jumps & False)
-    own = np.ones((len(t), log.robots), dtype=bool)
-    unbelieved: list[Unbelieved] = []
-    for n in range(log.robots):
-        for rows, why in _strange(poses, t, n, np.flatnonzero(jumps[:, n]) + 1, robot):
-            own[rows, n] = False
-            start, end = float(t[rows.start]), float(t[rows.stop - 1])
-            unbelieved.append(Unbelieved(n, start, end, rows.stop - rows.start, why))
-    return Sightings(~jumps & own[1:] & own[:-1], jumps, tuple(unbelieved), stalls, jumps & False)
+    poses, robot, seen = log.poses, log.robot, log.seen
+    jumps = jumps_of(poses, t, seen, robot)
+    stalls = _together(poses, jumps[1:]) & counted
+    jumps[1:] &= ~stalls[:, np.newaxis]
+    shown = jumps[1:].copy()
+    unseen = seen & placeholders_of(poses, seen, jumps, robot)
+    held = held_poses(np.where(unseen[:, np.newaxis], np.nan, poses)) & seen & ~unseen
+    repeated = nobody_new(held, seen & ~unseen)
+    here = seen & ~unseen & ~held
+    jumps = jumps_of(poses, t, here, robot)
+    jumps[1:] &= ~stalls[:, np.newaxis]
+    names, exchanges = exchanges_of(poses, t, here, jumps, robot)
+    strange = _strange(log, t, here, names, stalls) if jumps.any() else here & False
+    placed = here & ~strange
+    remaining = _remaining(log, t, placed, names, stalls)
+    if remaining > TOO_MANY_JUMPS:  # no robot's poses, in these units and at these times
+        nothing = shown & False
+        order = np.broadcast_to(np.arange(log.robots), names.shape)
+        return Sightings(~shown, shown, (), stalls, nothing, seen, order, (), repeated, True)
+    exchanged = placed & (names != np.arange(log.robots))
+    own = placed & ~exchanged
+    reasons = (
+        (~seen, Why.MISSING),
+        (seen & np.isnan(poses[:, 2]) & log.headed, Why.UNHEADED),
+        (held & ~repeated[:, np.newaxis], Why.HELD),
+        (unseen, Why.UNSEEN),
+        (strange, Why.ELSEWHERE),
+        (exchanged, Why.EXCHANGED),
+    )
+    return Sightings(
+        known=~shown & own[1:] & own[:-1],
+        jumps=shown,
+        unbelieved=tuple(_named(reasons, t)),
+        stalls=stalls,
+        spikes=shown & False,
+        placed=placed,
+        names=names,
+        exchanges=exchanges,
+        repeated=repeated,
+    )
 
 
-def fastest(robot: RobotModel) -> tuple[float, float]:
-    """Return the largest speed, m/s, and turn rate, rad/s, that a robot's wheels allow.
+def believed(run: Run) -> Run:
+    """Return a run with each robot's own poses, and NaN where there is none to be believed.
 
     Parameters
     ----------
-    robot : RobotModel
-        Whose wheels.
+    run : Run
+        Poses as tracked. A robot that is taken for another one is put back in its place: whoever
+        measures a team needs ways without jumps, and no names.
     """
-    rim = robot.wheel_radius * robot.max_wheel_velocity
-    return rim, 2 * rim / robot.base_length
+    found = sightings_of(run, run.t, counted=not run.timed)
+    return run if found.impossible else of_robots(run, found)
 
 
-def _jumps(poses: Floats, steps: Floats, robot: RobotModel) -> NDArray[np.bool_]:
-    """Return where robots moved or turned faster than their wheels can, (K, N)."""
-    speed, rate = fastest(robot)
-    # A row that comes early shows a camera frame's worth of motion all the same.
-    time = np.maximum(steps, np.median(steps))[:, None]
-    moved = np.linalg.norm(np.diff(poses[:, :2], axis=0), axis=1)
-    turned = np.abs(wrap(np.diff(poses[:, 2], axis=0)))
-    near = moved <= _FACTOR * speed * time + _NEAR
-    straight = turned <= np.minimum(_FACTOR * rate * time + _ASKEW, np.pi)
-    jumps: NDArray[np.bool_] = ~(near & straight)  # a NaN is a jump, too
-    return jumps
+def of_robots(run: Run, found: Sightings) -> Run:
+    """Return a run without what is not believed of it.
+
+    Parameters
+    ----------
+    run : Run
+        Poses as tracked.
+    found : Sightings
+        What is to be believed of them.
+    """
+    if found.placed.all() and not found.exchanges:
+        return run
+    poses = np.where(found.placed[:, np.newaxis], run.poses, np.nan)
+    return replace(run, poses=by_robot(poses, found.names))
 
 
-def _together(poses: Floats, jumps: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return rows (K,) in which most robots jump, a little and to no placeholders."""
+def without_exchanges(run: Run) -> Run:
+    """Return a run with every pose under the name of its robot, and say what was changed.
+
+    Parameters
+    ----------
+    run : Run
+        Poses as tracked.
+    """
+    found = sightings_of(run, run.t, counted=not run.timed)
+    return undone(run, found.names, found.exchanges)
+
+
+def _together(poses: Floats, jumps: Booleans) -> Booleans:
+    """Return rows (K,) in which most robots jump, a little and to or from no placeholders."""
     most = jumps.sum(axis=1) > max(1.0, jumps.shape[1] / 2)
     moved = np.linalg.norm(np.diff(poses[:, :2], axis=0), axis=1)
     still = (np.diff(poses, axis=0) == 0).all(axis=1)
-    lost = jumps & np.concatenate([still[1:], still[:1] & False])
-    together: NDArray[np.bool_] = most & ~lost.any(axis=1) & (moved < _STALLED).all(axis=1)
+    never = still[:1] & False
+    lost = jumps & (np.concatenate([still[1:], never]) | np.concatenate([never, still[:-1]]))
+    together: Booleans = most & ~lost.any(axis=1) & (moved < _STALLED).all(axis=1)
     return together
 
 
 def _strange(
-    poses: Floats, t: Floats, n: int, edges: NDArray[np.intp], robot: RobotModel
-) -> list[tuple[slice, Why]]:
-    """Return the stretches of one robot's rows that are not its own."""
-    speed, _ = fastest(robot)
-    stretches = [slice(a, b) for a, b in pairwise([0, *edges.tolist(), len(t)])]
-    strange: list[tuple[slice, Why]] = []
-    own: list[slice] = []
-    for stretch in stretches if len(stretches) > 1 else []:
-        kept, placeholders = _without_placeholders(poses[:, :, n], stretch, len(t))
-        strange += [(rows, Why.UNSEEN) for rows in placeholders]
-        if kept is not None:
-            own.append(kept)
-
-    starts = np.array([stretch.start for stretch in own], dtype=int)
-    last: int | None = None
-    for number, stretch in enumerate(own):
-        if last is not None:
-            later = starts[number:]
-            way = np.linalg.norm(poses[later, :2, n] - poses[last, :2, n], axis=1)
-            in_reach = way <= speed * (t[later] - t[last]) + _REACH
-            comes_back = bool(in_reach.any())
-            if not in_reach[0] and (comes_back or _where_another_was(poses, stretch.start, n)):
-                strange.append((stretch, Why.ELSEWHERE))
-                continue
-        last = stretch.stop - 1
-    return sorted(strange, key=lambda entry: entry[0].start)
+    log: Run, t: Floats, here: Booleans, names: NDArray[np.intp], stalls: Booleans
+) -> Booleans:
+    """Return which poses (T, N) are of no robot of the team, by the columns in which they stand."""
+    poses, known = by_robot(log.poses, names), np.take_along_axis(here, names, axis=1)
+    jumps = jumps_of(poses, t, known, log.robot)
+    jumps[1:] &= ~stalls[:, np.newaxis]
+    strange = np.zeros(here.shape, dtype=bool)
+    for n in np.flatnonzero(jumps.any(axis=0)):
+        rows = np.flatnonzero(known[:, n])
+        edges = np.flatnonzero(jumps[rows, n])
+        for stretch in elsewhere(poses[:, :, n], t, rows, edges, log.robot):
+            strange[stretch, n] = True
+        # Two names for one robot: the one that jumped there is wrong.
+        bounds = [*edges.tolist(), len(rows)]
+        for first, last in pairwise(bounds):
+            row = rows[first]
+            apart = np.hypot(*(poses[row, :2] - poses[row, :2, n, np.newaxis]))
+            apart[n] = np.inf
+            if np.nanmin(np.where(known[row], apart, np.inf), initial=np.inf) < REACH:
+                strange[rows[first:last], n] = True
+    in_columns = np.zeros_like(strange)
+    np.put_along_axis(in_columns, names, strange, axis=1)
+    return in_columns
 
 
-def _without_placeholders(
-    poses: Floats, stretch: slice, rows: int
-) -> tuple[slice | None, list[slice]]:
-    """Cut rows that stand perfectly still off those ends of a stretch at which there is a jump."""
-    first, last = stretch.start, stretch.stop
-    if not np.isfinite(poses[first]).all():
-        return None, [stretch]
-    changes = np.flatnonzero((np.diff(poses[stretch], axis=0) != 0).any(axis=1)) + 1
-    still_until = first + (int(changes[0]) if changes.size else last - first)
-    still_from = first + (int(changes[-1]) if changes.size else 0)
-    cut = []
-    if first > 0 and still_until - first >= _EQUAL_ROWS:
-        cut.append(slice(first, still_until))
-        first = still_until
-    if last < rows and last - max(still_from, first) >= _EQUAL_ROWS:
-        cut.append(slice(max(still_from, first), last))
-        last = max(still_from, first)
-    return (slice(first, last) if last > first else None), cut
+def _remaining(
+    log: Run, t: Floats, placed: Booleans, names: NDArray[np.intp], stalls: Booleans
+) -> float:
+    """Return the share of increments that are jumps still, of those poses that are believed."""
+    known = np.take_along_axis(placed, names, axis=1)
+    jumps = jumps_of(by_robot(log.poses, names), t, known, log.robot)
+    jumps[1:] &= ~stalls[:, np.newaxis]
+    return float(jumps.sum() / max(1, known.sum() - known.any(axis=0).sum()))
 
 
-def _where_another_was(poses: Floats, row: int, n: int) -> bool:
-    """Whether robot n is, after its jump, where another one was seen just before."""
-    apart = np.linalg.norm(poses[row - 1, :2] - poses[row, :2, n, None], axis=0)
-    apart[n] = np.inf
-    return bool(np.nanmin(apart, initial=np.inf) < _REACH)
+def _named(reasons: tuple[tuple[Booleans, Why], ...], t: Floats) -> Iterator[Unbelieved]:
+    """Tell each stretch of flagged rows by robot and time, in that order."""
+    for n in range(reasons[0][0].shape[1]):
+        found = [
+            Unbelieved(
+                n, float(t[rows.start]), float(t[rows.stop - 1]), rows.stop - rows.start, why
+            )
+            for flags, why in reasons
+            for rows in stretches_of(flags[:, n])
+        ]
+        yield from sorted(found, key=lambda entry: entry.start)
 
 
-def told(log: Run) -> tuple[str, str] | None:
-    """Say where a log's poses cannot be those of its robots; None where all can.
-
-    Parameters
-    ----------
-    log : Run
-        Poses as tracked.
-
-    Returns
-    -------
-    answer : str
-        Whether its poses can be believed, in a few words.
-    because : str
-        Which robots, and when.
-    """
-    found = sightings_of(log, log.t, counted=not log.timed)
-    share = float(found.jumps.mean())
-    if share == 0:
-        return None
-    speed, rate = fastest(log.robot)
-    limits = f"faster than wheels turn ({speed:.2g} m/s, {rate:.2g} rad/s)"
-    if share > TOO_MANY_JUMPS:
-        because = f"{share:.0%} of all motion is {limits}: other robots, times or units?"
-        return "Not at all: no such robot moves like that.", because
-    named = [str(entry) for entry in found.unbelieved]
-    rows, robots = np.nonzero(found.jumps)
-    jumps = [f"robot {n} at {log.t[k + 1]:.1f} s" for k, n in zip(rows, robots, strict=True)]
-    because = (
-        f"{len(jumps)} jump{'s' if len(jumps) > 1 else ''} {limits}: {_some(jumps)}. "
-        + (f"Not believed: {_some(named)}. " if named else "")
-        + "The other answers still rest on these poses."
-    )
-    return "Not everywhere: poses jump, as no wheels can.", because
-
-
-def _some(words: list[str]) -> str:
-    """Return the first of many, and how many more there are."""
-    more = f" and {len(words) - _NAMED} more" if len(words) > _NAMED else ""
-    return "; ".join(words[:_NAMED]) + more
+__all__ = [
+    "TOO_MANY_JUMPS",
+    "Exchange",
+    "Sightings",
+    "Unbelieved",
+    "Why",
+    "believed",
+    "fastest",
+    "of_robots",
+    "sightings_of",
+    "without_exchanges",
+]

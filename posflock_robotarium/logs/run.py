@@ -5,9 +5,10 @@ judged.  **What is unknown stays unknown**: a column that nobody wrote is None, 
 knows of is NaN (or "" as a word), and no table, figure or file makes a zero of it.
 
 It is checked once, here, so that the analysis behind it never meets a pose that is none, a step
-back in time or an array of the wrong shape.  Two things that look like damage are kept on purpose:
-a *gap* (samples missing in the middle) stays a gap, never bridged by an estimator, and a *short*
-run (cut off by a kill, a collision stop or an interrupt) is simply short.
+back in time or an array of the wrong shape.  Three things that look like damage are kept on
+purpose: a robot that was *not seen* for a while has NaN for its pose then, which is nobody else's
+loss; a *gap* (samples missing in the middle) stays a gap, never bridged by an estimator; and a
+*short* run (cut off by a kill, a collision stop or an interrupt) is simply short.
 """
 
 from __future__ import annotations
@@ -38,6 +39,12 @@ FARTHEST = 1e4
 
 LARGEST_HEADING = 1e6
 """Radians beyond which a heading is taken for damage (unwrapped headings stay far below)."""
+
+LEAST_SEEN = 0.1
+"""Share of robots and times that must be known, lest the numbers be no poses at all."""
+
+MOST_DAMAGED = 0.5
+"""Share of the numbers there are beyond which impossible ones mean that all are misread."""
 
 
 class LayoutError(LogError):
@@ -120,8 +127,9 @@ class Run:
     t : (T,) array
         Seconds, strictly increasing.
     poses : (T, 3, N) array
-        x, y in metres and heading in radians; where only positions were logged, every heading is
-        NaN.
+        x, y in metres and heading in radians; NaN where a robot was not seen. Where only positions
+        were logged, every heading is NaN. What no robot can have (infinite, beyond `FARTHEST`) is
+        unseen, and noted.
     commands : (T, 2, N) array, optional
         Commanded linear (m/s) and angular (rad/s) velocity.
     intervention : (T,) array, optional
@@ -150,7 +158,7 @@ class Run:
     Raises
     ------
     LogError
-        When shapes disagree, a value is not finite or absurd, or time does not increase.
+        When shapes disagree, too few poses are known, most are absurd, or time does not increase.
     """
 
     name: str
@@ -180,7 +188,11 @@ class Run:
         if self.t.shape != (samples,):
             raise LogError(f"{where}: {self.t.shape[0]} times for {samples} poses")
         _check_time(where, self.t)
-        _check_poses(where, self.poses)
+        poses, note = _known_poses(where, self.poses)
+        if poses is not self.poses:
+            object.__setattr__(self, "poses", poses)
+        if note:
+            object.__setattr__(self, "notes", (*self.notes, note))
         self._check_columns(where)
 
     def _check_columns(self, where: str) -> None:
@@ -219,7 +231,13 @@ class Run:
     @property
     def headed(self) -> bool:
         """Whether headings were logged, not positions only."""
-        return not bool(np.isnan(self.poses[0, 2, 0]))
+        return not bool(np.isnan(self.poses[0, 2, 0])) or bool(np.isfinite(self.poses[:, 2]).any())
+
+    @property
+    def seen(self) -> NDArray[np.bool_]:
+        """Which robots' positions are known when, shape (T, N)."""
+        known: NDArray[np.bool_] = np.isfinite(self.poses[:, 0])
+        return known
 
     @property
     def step(self) -> float:
@@ -337,22 +355,39 @@ def _check_time(where: str, t: Floats, name: str = "time") -> None:
         )
 
 
-def _check_poses(where: str, poses: Floats) -> None:
-    # One reduction for the common, sound case; the row is only looked for when there is one.
+def _known_poses(where: str, poses: Floats) -> tuple[Floats, str]:
+    """Return poses with NaN for whatever is none, and what is to be said of that."""
+    # One reduction for the common, sound case; the rest is only looked at when there is some.
     with np.errstate(invalid="ignore"):
         positions_sound = bool(np.abs(poses[:, :2]).max() <= FARTHEST)
         headings_sound = bool(np.abs(poses[:, 2]).max() <= LARGEST_HEADING)
-    headings_sound |= bool(np.isnan(poses[:, 2]).all())
-    if positions_sound and headings_sound:
-        return
+    if positions_sound and (headings_sound or bool(np.isnan(poses[:, 2]).all())):
+        return poses, ""
     limit = np.array([FARTHEST, FARTHEST, LARGEST_HEADING])[:, np.newaxis]
-    bad = ~(np.abs(poses) <= limit)
-    row, axis, robot = (int(index) for index in np.argwhere(bad)[0])
-    rows = int(bad.any(axis=(1, 2)).sum())
-    value = poses[row, axis, robot]
-    reason = "not a finite number" if not np.isfinite(value) else "no place a robot can be"
-    raise LogError(
-        f"{where}: row {row}: {('x', 'y', 'heading')[axis]} of robot {robot} is {value}, {reason} "
-        f"({rows} of {len(poses)} rows are damaged); "
-        "drop those rows (their place in time is then kept as a gap) with --drop-damaged"
-    )
+    with np.errstate(invalid="ignore"):
+        absurd = np.abs(poses) > limit
+    said = ""
+    if absurd.any():
+        row, axis, robot = (int(index) for index in np.argwhere(absurd)[0])
+        first = f"row {row}: {('x', 'y', 'heading')[axis]} of robot {robot} is "
+        first += f"{poses[row, axis, robot]:g}"
+        if absurd.sum() > MOST_DAMAGED * (~np.isnan(poses)).sum():
+            raise LogError(
+                f"{where}: {first}, no place a robot can be, and so are most of its numbers: is it "
+                "damaged, or of another form?"
+            )
+        said = f"{int(absurd.sum())} numbers that no robot can have are unseen ({first})"
+    known = np.array(poses, dtype=float)
+    known[absurd] = np.nan
+    unseen = np.isnan(known[:, :2]).any(axis=1)
+    known.transpose(0, 2, 1)[unseen] = np.nan
+    share = 1.0 - float(unseen.mean())
+    if share < LEAST_SEEN or int((~unseen.all(axis=1)).sum()) < 2:
+        raise LogError(
+            f"{where}: only {share:.0%} of its poses are known ({int((~unseen).sum())} of "
+            f"{unseen.size}, all else is NaN or no place a robot can be); expected at least two "
+            f"times, and {LEAST_SEEN:.0%}"
+        )
+    # Poses that are known to be NaN already stay the same array.
+    same = not absurd.any() and bool((np.isnan(known) == np.isnan(poses)).all())
+    return (poses if same else known), said

@@ -112,6 +112,8 @@ def over_seeds(evidence: Evidence) -> PaperTable:
     """
     rows = []
     for key, title, unit in QUANTITIES:
+        if any(key not in evidence.numbers(model) for model in Model):
+            continue  # runs that end before it
         cells = [_median_and_quartiles(evidence.numbers(model)[key]) for model in Model]
         rows.append([title + (f" ({unit})" if unit else ""), *cells])
     return PaperTable(

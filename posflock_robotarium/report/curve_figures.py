@@ -1,7 +1,6 @@
 """The report's figures, for print: one run's curves, or several runs with their mean and interval.
 
-They share the style, colours and dashes of the experiment's own figures, but are drawn from an
-`Analysis`, so that gaps stay gaps and every curve carries its estimator.
+They share the style of the experiment's own figures, but are drawn from an `Analysis`.
 """
 
 from __future__ import annotations
@@ -18,8 +17,10 @@ from numpy.typing import NDArray
 from posflock_robotarium.alignment.analysis import Analysis
 from posflock_robotarium.alignment.catalogue import Metric, figures, metrics
 from posflock_robotarium.alignment.comparison import spread_of
+from posflock_robotarium.alignment.fewest_runs import FEWEST_RUNS
 from posflock_robotarium.alignment.panels import LEFT_OUT, Line
 from posflock_robotarium.figures.experiment import snapshots
+from posflock_robotarium.figures.sightings import sightings
 from posflock_robotarium.figures.style import (
     BLACK,
     BLUE,
@@ -77,13 +78,15 @@ def draw(analyses: Sequence[Analysis], folder: Path) -> list[Path]:
     if len(analyses) == 1:
         run = analyses[0]
         drawn = {
-            "snapshots": lambda: snapshots(run.recording),
+            "snapshots": lambda: snapshots(run.believed),
             "alignment": lambda: alignment(run),
             "distances": lambda: distances(run),
             "motion": lambda: motion(run),
         }
         if "gamma_motion" not in run.curves:  # nobody knows who is whose neighbour
             del drawn["alignment"]
+        if run.sightings.unbelieved:
+            drawn["sightings"] = lambda: sightings(run)
         for name, shown in figures().items():
             if any(metric.key in run.curves for metric in shown):
                 drawn.setdefault(name, partial(curves, run, name))
@@ -289,7 +292,7 @@ def _runs_over_each_other(axes: Axes, analyses: Sequence[Analysis], key: str) ->
                 alpha=0.6 if crowded else 1.0,
                 label=None if crowded else _plain(analysis.name),
             )
-    if len(analyses) >= 3:
+    if len(analyses) >= FEWEST_RUNS:
         _mean_band(axes, analyses, key)
     axes.set(xlabel="time (s)", ylabel=_axis_label(metrics()[key].label, metrics()[key]))
     _time_axis(axes, analyses)
@@ -310,7 +313,7 @@ def _mean_band(axes: Axes, analyses: Sequence[Analysis], key: str) -> None:
             if key in a.curves
         ]
     )
-    if len(sampled) < 3:
+    if len(sampled) < FEWEST_RUNS:
         return
     spreads = [spread_of(column) for column in sampled.T]
     axes.fill_between(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import fields
@@ -15,6 +16,7 @@ import numpy as np
 from posflock_robotarium.alignment.analysis import Analysis
 from posflock_robotarium.alignment.catalogue import scalars
 from posflock_robotarium.alignment.comparison import Comparison, compare
+from posflock_robotarium.alignment.fewest_runs import FEWEST_RUNS
 from posflock_robotarium.alignment.reference_errors import ErrorStatistics, ReferenceErrors
 from posflock_robotarium.report.page import write_page
 from posflock_robotarium.report.words import number_text
@@ -209,7 +211,7 @@ def latex_table(analyses: Sequence[Analysis], comparison: Comparison | None = No
         Of the same runs.
     """
     names = [_latex(analysis.name) for analysis in analyses]
-    interval = comparison is not None and len(analyses) >= 3
+    interval = comparison is not None and len(analyses) >= FEWEST_RUNS
     lines = [
         "% Means are over the settled part of a run; definitions are in summary.json.",
         rf"\begin{{tabular}}{{l{'r' * (len(analyses) + interval)}}}",
@@ -227,7 +229,8 @@ def latex_table(analyses: Sequence[Analysis], comparison: Comparison | None = No
         if interval:
             spread = rows[key].overall
             low, high = (number_text(v, example.unit) for v in (spread.low, spread.high))
-            cells.append(_latex(f"{number_text(spread.mean, example.unit)} [{low}, {high}]"))
+            ends = "" if math.isnan(spread.low) else f" [{low}, {high}]"
+            cells.append(_latex(f"{number_text(spread.mean, example.unit)}{ends}"))
         lines.append(" & ".join([_latex(example.label), *cells]) + r" \\")
     return "\n".join([*lines, r"\bottomrule", r"\end{tabular}", ""])
 

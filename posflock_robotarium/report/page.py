@@ -80,6 +80,7 @@ def render(analyses: Sequence[Analysis], comparison: Comparison | None = None) -
         headline=headline(analyses[0].verdicts) if comparison is None else _spoken(comparison),
         faults=_faults(analyses[0]) if comparison is None else [],
         following=following_section(analyses[0].following) if comparison is None else None,
+        left_out=analyses[0].sightings.unbelieved[:EVENTS_SHOWN] if comparison is None else (),
         parameters=[_pretty(a) for a in analyses],
         data=_markup(_json(asdict(page_data(analyses)))),
         scripts=[_markup(script) for script in scripts],

@@ -30,6 +30,9 @@ COMMON_SAMPLES = 1500
 
 EVENTS_SHOWN = 200
 
+UNSEEN_STEP = 65535
+"""What stands for a robot that is not seen; the others' steps are smaller."""
+
 
 @dataclass(frozen=True)
 class EventMark:
@@ -64,7 +67,7 @@ class Replay:
     start : float
         First time, seconds.
     t, poses : str
-        Base64 of 32-bit times and of 16-bit poses.
+        Base64 of 32-bit times and of 16-bit poses, `UNSEEN_STEP` where a robot is not seen.
     low, span : list of float
         What the 16-bit positions count from, and over; metres, x and y.
     arena : tuple of float
@@ -243,20 +246,27 @@ def _courses(positions: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(np.arctan2(ahead[:, 1], ahead[:, 0]))
 
 
+def _steps_of(poses: Floats, headings: Floats) -> tuple[NDArray[np.uint16], Floats, Floats]:
+    """Return poses (T, 3, N) in 16-bit steps, and what these count from and over, m."""
+    seen = np.isfinite(poses[:, 0])
+    low = np.fmin.reduce(poses[:, :2], axis=(0, 2))
+    span = np.maximum(np.fmax.reduce(poses[:, :2], axis=(0, 2)) - low, 1e-6)
+    scaled = np.empty(poses.shape)
+    scaled[:, :2] = (poses[:, :2] - low[:, np.newaxis]) / span[:, np.newaxis]
+    scaled[:, 2] = np.remainder(np.nan_to_num(headings), 2 * np.pi) / (2 * np.pi)
+    steps = np.where(seen[:, np.newaxis], np.rint(scaled * (UNSEEN_STEP - 1)), UNSEEN_STEP)
+    return steps.astype(np.uint16), low, span
+
+
 def _replay(analysis: Analysis, budget: int) -> Replay:
-    recording, robot = analysis.recording, analysis.robot
+    recording, robot = analysis.believed, analysis.robot
     samples, _, robots = recording.poses.shape
     # A frame is three 16-bit numbers a robot, and the time and the curves at four bytes each.
     frame = 6 * robots + 4 * (1 + len(analysis.curves))
     stride = max(1, math.ceil(samples * frame / budget))
     poses = recording.poses[::stride]
-    low = poses[:, :2].min(axis=(0, 2))
-    span = np.maximum(poses[:, :2].max(axis=(0, 2)) - low, 1e-6)
-    steps = np.empty(poses.shape, dtype=np.uint16)
-    scaled = (poses[:, :2] - low[:, np.newaxis]) / span[:, np.newaxis]
-    steps[:, :2] = np.rint(scaled * 65534)
     headings = poses[:, 2] if recording.headed else _courses(poses[:, :2])
-    steps[:, 2] = np.rint(np.remainder(headings, 2 * np.pi) / (2 * np.pi) * 65534)
+    steps, low, span = _steps_of(poses, headings)
     return Replay(
         name=analysis.name,
         robots=robots,

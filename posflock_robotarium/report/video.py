@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from barrier_certificates.ties import TIE
 from posflock_robotarium.figures.style import BLUE, GREY
 from posflock_robotarium.flocking.errors import OutputError, ParameterError
+from posflock_robotarium.logs.plausibility import believed
 from posflock_robotarium.logs.readers import Run
 from rps_compat.testbed import GTERNAL, ROBOT_LENGTH, ROBOT_WIDTH, RobotModel
 from rps_compat.whole_files import atomic_write
@@ -58,7 +59,8 @@ def write_video(
     Parameters
     ----------
     recording : Run
-        Poses over time; a gap is shown as the last pose before it.
+        Poses over time; a gap is shown as the last pose before it; a robot is not shown while it is
+        not seen.
     path : Path
         Ends in ``.mp4`` or ``.gif``.
     fps : float, optional
@@ -82,7 +84,7 @@ def write_video(
     OutputError
         When the film cannot be written, or no ffmpeg is there for MP4.
     """
-    kind = path.suffix.lower()
+    recording, kind = believed(recording), path.suffix.lower()
     if kind not in SIZE:
         raise ParameterError(f"{path}: expected a name that ends in .mp4 or .gif")
     rate = RATE[kind] if fps is None else fps

@@ -10,12 +10,14 @@ from __future__ import annotations
 import csv
 import io
 import json
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from posflock_robotarium.alignment.fewest_runs import FEWEST_RUNS
 from posflock_robotarium.sweep.store import ERROR, Row, Store
 from posflock_robotarium.sweep.study import Study
 from rps_compat.whole_files import atomic_write, write_whole
@@ -91,8 +93,8 @@ def outcomes(study: Study, rows: Sequence[Row]) -> list[str]:
     """
     given = {"key", "point", "replication", "experiment", "study_seed", "version", "code"}
     given |= set(study.experiment.defaults)
-    example = next(iter(succeeded(rows)), {})
-    return [name for name in example if name not in given]
+    told = dict.fromkeys(name for row in succeeded(rows) for name in row)
+    return [name for name in told if name not in given]
 
 
 def summary(study: Study, rows: Sequence[Row]) -> list[Row]:
@@ -109,7 +111,8 @@ def summary(study: Study, rows: Sequence[Row]) -> list[Row]:
     -------
     list of rows
         One for each combination and outcome: the values of the grid, ``outcome``, ``runs``,
-        ``median``, ``low`` and ``high`` (95 % bootstrap interval of the median), ``q1``, ``q3``.
+        ``median``, ``low`` and ``high`` (95 % bootstrap interval of the median; None of one or two
+        runs), ``q1``, ``q3``.
     """
     found: list[Row] = []
     names, rows = outcomes(study, rows), succeeded(rows)
@@ -117,8 +120,11 @@ def summary(study: Study, rows: Sequence[Row]) -> list[Row]:
         of_point = [row for row in rows if row["point"] == point]
         combination = {name: of_point[0][name] for name in study.grid}
         for name in names:
-            values = np.array([row[name] for row in of_point], dtype=float)
-            low, high = interval(values)
+            # A number is absent from runs that are too short for it.
+            values = np.array([row[name] for row in of_point if name in row], dtype=float)
+            if not values.size:
+                continue
+            low, high = (None if math.isnan(end) else end for end in interval(values))
             q1, q3 = np.percentile(values, [25, 75], method="nearest")
             median = float(np.median(values))
             found.append(
@@ -135,7 +141,14 @@ def interval(values: Floats) -> tuple[float, float]:
     ----------
     values : (n,) array
         One number of every run; infinite ones count, too.
+
+    Returns
+    -------
+    pair of float
+        Its ends; NaN of fewer than `FEWEST_RUNS` runs, which tell none.
     """
+    if len(values) < FEWEST_RUNS:
+        return math.nan, math.nan
     generator = np.random.default_rng(len(values))
     drawn = generator.integers(len(values), size=(_RESAMPLES, len(values)))
     # Runs that never aligned are infinite: "nearest" picks one, where others interpolate.

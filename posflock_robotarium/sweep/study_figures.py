@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from posflock_robotarium.alignment.fewest_runs import FEWEST_RUNS
 from posflock_robotarium.figures.look import Look
 from posflock_robotarium.figures.style import BLACK, BLUE, GREEN, ORANGE, in_style, new_figure, save
 from posflock_robotarium.sweep.parameter_distribution import StudyError
@@ -124,7 +125,8 @@ def outcome_over(study: Study, rows: Sequence[Row], asked: Asked) -> Figure:
     if asked.by:
         title = _title(asked.by).removesuffix(" (–)")
         figure.legend(loc="outside lower center", ncols=3, title=title)
-    each = f"median and 95 % interval of {study.replications} runs"
+    few = study.replications < FEWEST_RUNS
+    each = f"median{'' if few else ' and 95 % interval'} of {study.replications} runs"
     axes.set_title("every run" if asked.x in study.distributions else each, fontsize=7, loc="right")
     return figure
 
@@ -144,9 +146,13 @@ def _medians(
     label: str | None,
     look: Look,
 ) -> None:
-    runs = [np.array([r[asked.y] for r in rows if r[asked.x] == x], dtype=float) for x in values]
-    middle = np.array([np.median(run) for run in runs])
-    low, high = np.transpose([interval(run) for run in runs])
+    runs = [
+        np.array([r[asked.y] for r in rows if r[asked.x] == x and asked.y in r], dtype=float)
+        for x in values
+    ]
+    middle = np.array([np.median(run) if run.size else np.nan for run in runs])
+    ends = np.transpose([interval(run) for run in runs])
+    low, high = np.where(np.isnan(ends), middle, ends)  # of few runs there is no bar
     # Words have no places on an axis: they are put one after another.
     numeric = all(isinstance(x, (int, float)) and not isinstance(x, bool) for x in values)
     places = np.array(values, dtype=float) if numeric else np.arange(len(values))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.verify import static
-from posflock_robotarium.verify.findings import wilson_interval
+from posflock_robotarium.verify.findings import told_interval
 from rps_compat.running.outcome import Ended
 from rps_compat.scripts.evidence import evidence_of
 from rps_compat.violations import FaultKind
@@ -44,9 +44,9 @@ class Ablation:
     gap: float | None
 
     @property
-    def interval(self) -> tuple[float, float]:
-        """95 % confidence interval of the proportion of runs that collide."""
-        return wilson_interval(self.collisions, self.trials)
+    def interval(self) -> tuple[float, float] | None:
+        """95 % confidence interval of the proportion of runs that collide; None of few runs."""
+        return told_interval(self.collisions, self.trials)
 
 
 def ablate(

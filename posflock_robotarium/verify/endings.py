@@ -6,7 +6,7 @@ import errno
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from posflock_robotarium.verify.findings import Code, Finding, Verdict, wilson_interval
+from posflock_robotarium.verify.findings import Code, Finding, Verdict, told_interval
 from posflock_robotarium.verify.trials import Ran
 from rps_compat import testbed
 from rps_compat.running.outcome import Ended, Failure, Outcome
@@ -109,7 +109,7 @@ class _End:
             file=error.file,
             time=outcome.time if outcome.steps else None,
             trials=self.trials,
-            interval=wilson_interval(*self.trials) if self.trials else None,
+            interval=told_interval(*self.trials) if self.trials else None,
         )
 
 

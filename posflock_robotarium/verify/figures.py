@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from posflock_robotarium.verify.findings import wilson_interval
+from posflock_robotarium.verify.findings import told_interval
 from posflock_robotarium.verify.motion import largest_wheel_speed, saturated_steps
 from posflock_robotarium.verify.timing import recommended_duration
 from rps_compat.violations import FaultKind
@@ -64,13 +64,14 @@ class Hits:
     trials: int
 
     @property
-    def interval(self) -> tuple[float, float]:
-        """95 % confidence interval of the proportion of runs."""
-        return wilson_interval(self.hits, self.trials)
+    def interval(self) -> tuple[float, float] | None:
+        """95 % confidence interval of the proportion of runs; None of few."""
+        return told_interval(self.hits, self.trials)
 
     def as_dict(self) -> dict[str, Any]:
         """Return what ``verify.json`` holds of it."""
-        return {"trials": self.trials, "hits": self.hits, "interval": list(self.interval)}
+        interval = None if self.interval is None else list(self.interval)
+        return {"trials": self.trials, "hits": self.hits, "interval": interval}
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from barrier_certificates.word_enum import WordEnum
+from posflock_robotarium.alignment.fewest_runs import FEWEST_RUNS
 from rps_compat import testbed
 
 
@@ -230,6 +231,30 @@ def wilson_interval(successes: int, trials: int, z: float = 1.959964) -> tuple[f
     low = 0.0 if successes == 0 else centre - half
     high = 1.0 if successes == trials else centre + half
     return max(0.0, low), min(1.0, high)
+
+
+def told_interval(successes: int, trials: int) -> tuple[float, float] | None:
+    """Return the same where there are enough trials to tell one; None otherwise.
+
+    Parameters
+    ----------
+    successes : int
+        In how many trials it happened.
+    trials : int
+        Number of trials, 1 or more.
+    """
+    return wilson_interval(successes, trials) if trials >= FEWEST_RUNS else None
+
+
+def interval_text(interval: tuple[float, float] | None) -> str:
+    """Return an interval of a proportion in per cent.
+
+    Parameters
+    ----------
+    interval : pair of float, optional
+        Its ends, from 0 to 1; None reads as a dash.
+    """
+    return "–" if interval is None else f"{100 * interval[0]:.0f} to {100 * interval[1]:.0f} %"
 
 
 def too_many_robots(number: float, line: int | None = None) -> Finding:

@@ -7,7 +7,15 @@ from dataclasses import dataclass
 
 from barrier_certificates import ties
 from posflock_robotarium.verify.endings import is_explained
-from posflock_robotarium.verify.findings import Code, Finding, Verdict, count, wilson_interval
+from posflock_robotarium.verify.findings import (
+    Code,
+    Finding,
+    Verdict,
+    count,
+    interval_text,
+    told_interval,
+    wilson_interval,
+)
 from rps_compat import testbed
 from rps_compat.running.outcome import Ended, Outcome
 from rps_compat.violations import FaultKind
@@ -81,13 +89,15 @@ def _proportion(
     hit = [(outcome, first) for outcome in ran if (first := _first(outcome, kind))]
     if not hit:
         return
-    low, high = wilson_interval(len(hit), len(ran))
+    low, _ = wilson_interval(len(hit), len(ran))
+    told = told_interval(len(hit), len(ran))
+    share = "" if told is None else f" ({interval_text(told)} of runs)"
     outcome, first = hit[0]
     yield Finding(
         Code(kind.value),
         Verdict.FAIL if low >= 0.2 else Verdict.RISK,
         f"{words} in {len(hit)} of {count(len(ran), 'trial')} with imperfections"
-        f" ({100 * low:.0f} to {100 * high:.0f} % of runs), though not in the ideal simulator;"
+        f"{share}, though not in the ideal simulator;"
         f" first in the trial with seed {outcome.seed}",
         f"{advice}; `posflock verify --effect each` finds the imperfection that does it",
         time=first.time,
@@ -95,7 +105,7 @@ def _proportion(
         figure=first.worst,
         unit="m",
         trials=(len(hit), len(ran)),
-        interval=(low, high),
+        interval=told,
     )
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from barrier_certificates import ties
-from posflock_robotarium.verify.findings import Code, Verdict, count
+from posflock_robotarium.verify.findings import Code, Verdict, count, interval_text
 from rps_compat.terminal import printable
 
 if TYPE_CHECKING:
@@ -100,12 +100,12 @@ def figure_lines(report: Report) -> list[tuple[str, str]]:
             lines.append((label, text + in_trials))
     for name, runs in ((Code.COLLISION, found.collisions), (Code.BOUNDARY, found.outside)):
         if runs is not None:
-            low, high = runs.interval
+            told = "" if runs.interval is None else interval_text(runs.interval)
             lines.append(
                 (
                     name.value,
                     f"in {runs.hits} of {count(runs.trials, 'trial')}"
-                    f" (95 % interval {100 * low:.0f} to {100 * high:.0f} % of runs)",
+                    + (f" (95 % interval {told} of runs)" if told else ""),
                 )
             )
     return [*lines, *held]
@@ -140,7 +140,7 @@ def print_ablation(rows: Sequence[Ablation], console: Console) -> None:
         table.add_row(
             f"[red]{row.effect}[/]" if bad else row.effect,
             f"{row.collisions} of {row.trials}",
-            f"{100 * row.interval[0]:.0f} to {100 * row.interval[1]:.0f} %",
+            interval_text(row.interval),
             *(f"{hits} of {row.trials}" for hits in (row.outside, row.failed)),
             "unknown" if row.gap is None else f"{row.gap:.3f} m",
         )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from posflock_robotarium.alignment import metrics
 from posflock_robotarium.alignment.measured_run import Floats, MeasuredRun
 from posflock_robotarium.alignment.metric_registry import Metric, Scalar, register
@@ -18,8 +20,10 @@ def _spread(run: MeasuredRun) -> Floats:
 
 
 def _ratio(run: MeasuredRun) -> float:
-    radius = run.once(_cohesive_radius)[run.settled]
-    return float(radius.max() / radius.min()) if radius.min() > 0 else float("nan")
+    """Return the ratio over the times at which all are seen that ever are."""
+    ever = run.seen.any(axis=0)
+    radius = run.once(_cohesive_radius)[run.settled & run.seen[:, ever].all(axis=1)]
+    return float(radius.max() / radius.min()) if radius.size and radius.min() > 0 else np.nan
 
 
 register(
@@ -46,7 +50,7 @@ register(
                 "cohesive_radius_ratio",
                 "cohesive radius, largest over smallest",
                 "",
-                "Over time {run.since}.",
+                "Over the times {run.since} at which all robots are seen.",
                 "Cohesion",
                 _ratio,
             ),

@@ -31,6 +31,9 @@ def _heading_offset(run: MeasuredRun) -> float:
     if not moving.any():
         return float("nan")
     middle = r.poses[start + ahead // 2, 2]
+    moving &= np.isfinite(middle)
+    if not moving.any():
+        return float("nan")
     across = -np.sin(middle) * step[:, 0] + np.cos(middle) * step[:, 1]
     along = np.cos(middle) * step[:, 0] + np.sin(middle) * step[:, 1]
     return float(np.median(np.arctan2(np.abs(across), np.abs(along))[moving]))

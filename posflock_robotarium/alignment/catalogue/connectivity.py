@@ -36,17 +36,19 @@ def _connectivity(run: MeasuredRun) -> Connectivity | None:
         return None
     found = np.empty((len(run.recording.t), 2))
     before: NDArray[np.bool_] | None = None
-    last = np.zeros(2)
+    last, seen_before = np.zeros(2), run.seen[:1]
     for stretch in run.stretches():
         positions = run.positions[stretch]
         linked = neighbours(positions, run.radius)
         previous = linked[:1] if before is None else before
         changed = (linked != np.concatenate([previous, linked[:-1]])).any(axis=(1, 2))
+        seen = run.seen[stretch]
+        changed |= (seen != np.concatenate([seen_before, seen[:-1]])).any(axis=1)
         changed[0] |= before is None
         values = _of_graphs(positions[changed], run.radius)
         # Row 0 is what held before this stretch, row k what holds from its k-th change on.
         found[stretch] = np.concatenate([last[np.newaxis], values])[np.cumsum(changed)]
-        last, before = found[stretch][-1], linked[-1:]
+        last, before, seen_before = found[stretch][-1], linked[-1:], seen[-1:]
     return Connectivity(*found.T)
 
 
@@ -54,13 +56,13 @@ def _of_graphs(positions: Floats, radius: float | Floats) -> Floats:
     """Return components and algebraic connectivity of (K, 2, N) positions, shape (K, 2)."""
     if not len(positions):
         return np.empty((0, 2))
-    return np.stack(
-        [
-            metrics.connected_components(positions, radius),
-            metrics.algebraic_connectivity(positions, radius),
-        ],
-        axis=1,
-    )
+    components = metrics.connected_components(positions, radius).astype(float)
+    found = np.stack([components, metrics.algebraic_connectivity(positions, radius)], axis=1)
+    seen = np.isfinite(positions[:, 0])
+    # Who is not seen may be what links the groups; and nobody is no group.
+    unknown = ((components > 1) & ~seen.all(axis=1)) | ~seen.any(axis=1)
+    found[unknown] = np.nan
+    return found
 
 
 def _components(run: MeasuredRun) -> Floats | None:
@@ -75,7 +77,9 @@ def _algebraic(run: MeasuredRun) -> Floats | None:
 
 def _connected(run: MeasuredRun) -> float | None:
     components = run.once(_components)
-    return None if components is None else run.mean((components == 1).astype(float))
+    if components is None:
+        return None
+    return run.mean(np.where(np.isnan(components), np.nan, components == 1))
 
 
 register(
@@ -83,7 +87,8 @@ register(
         "components",
         "connected components",
         "",
-        "Number of groups that no chain of neighbours connects.",
+        "Number of groups that no chain of neighbours connects, of the robots that are seen; "
+        "unknown where these have parted and others, who may link them, are not seen.",
         _components,
         "largest",
         panel=CONNECTIVITY,
@@ -100,7 +105,8 @@ register(
                 "connected",
                 "time in one group",
                 "share",
-                "Share of the whole run in which every robot is connected to every other.",
+                "Share of the whole run, where known, in which every robot is connected to every "
+                "other.",
                 "Cohesion",
                 _connected,
                 latex=True,

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
+
 from posflock_robotarium.alignment import metrics
 from posflock_robotarium.alignment.faults import count, faults_of
 from posflock_robotarium.alignment.measured_run import CurveFunction, Floats, MeasuredRun
@@ -22,7 +24,8 @@ def _between_centres(measure: Callable[[Floats], Floats]) -> CurveFunction:
     def curve(run: MeasuredRun) -> Floats | None:
         if run.recording.robots < 2:
             return None
-        return run.by_stretch(lambda stretch: measure(run.positions[stretch]))
+        distances = run.by_stretch(lambda stretch: measure(run.positions[stretch]))
+        return np.where(np.isinf(distances), np.nan, distances)
 
     return curve
 
@@ -31,11 +34,12 @@ def _between_collision_points(run: MeasuredRun) -> Floats | None:
     if run.recording.robots < 2 or not run.recording.headed:
         return None
     offset, headings = run.robot.collision_offset, run.velocities("headings")
-    return run.by_stretch(
+    distances = run.by_stretch(
         lambda stretch: metrics.smallest_distance(
             run.positions[stretch] + offset * headings[stretch]
         )
     )
+    return np.where(np.isinf(distances), np.nan, distances)
 
 
 def _of_pairs(value: NumberFunction) -> NumberFunction:

@@ -63,7 +63,13 @@ def _left_out(estimator: str) -> CurveFunction:
     def left_out(run: MeasuredRun) -> Floats | None:
         if not run.has_neighbours:
             return None
-        return 1.0 - run.once(alignment_of, estimator).counted / run.recording.robots
+        counted = run.once(alignment_of, estimator).counted
+        if run.all_seen:
+            return np.asarray(1.0 - counted / run.recording.robots)
+        # Who is not seen is no robot that γ leaves out.
+        seen = run.seen.sum(axis=1)
+        share: Floats = np.divide(counted, seen, out=np.full(len(seen), np.nan), where=seen > 0)
+        return 1.0 - share
 
     return left_out
 

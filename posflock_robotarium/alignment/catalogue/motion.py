@@ -6,12 +6,13 @@ import numpy as np
 
 from posflock_robotarium.alignment.measured_run import Floats, MeasuredRun
 from posflock_robotarium.alignment.metric_registry import Metric, Scalar, register
+from posflock_robotarium.alignment.of_seen import centroid_of_seen, mean_of_seen
 from posflock_robotarium.alignment.panels import SPEED
 from posflock_robotarium.alignment.reductions import settled_mean
 
 
 def _drift(run: MeasuredRun) -> Floats:
-    centroid = run.velocities("savitzky_golay").mean(axis=2)
+    centroid = centroid_of_seen(run.velocities("savitzky_golay"))
     speed: Floats = np.sqrt(np.square(centroid).sum(axis=1))
     return speed
 
@@ -22,7 +23,7 @@ register(
         "mean speed",
         "m/s",
         "Mean over robots of the Savitzky-Golay speed.",
-        lambda run: run.speeds.mean(axis=1),
+        lambda run: mean_of_seen(run.speeds),
         panel=SPEED,
         figure="motion",
         legend="mean",
@@ -65,7 +66,7 @@ register(
         "slowest robot",
         "m/s",
         "Smallest Savitzky-Golay speed of a robot.",
-        lambda run: run.speeds.min(axis=1),
+        lambda run: np.fmin.reduce(run.speeds, axis=1),
         "smallest",
         panel=SPEED,
     ),
@@ -74,7 +75,7 @@ register(
         "fastest robot",
         "m/s",
         "Largest Savitzky-Golay speed of a robot.",
-        lambda run: run.speeds.max(axis=1),
+        lambda run: np.fmax.reduce(run.speeds, axis=1),
         "largest",
         panel=SPEED,
     ),

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from barrier_certificates import ties
-from posflock_robotarium.alignment.measured_run import MeasuredRun, weighted_mean
+from posflock_robotarium.alignment.measured_run import Floats, MeasuredRun, weighted_mean
 from posflock_robotarium.alignment.metric_registry import Scalar, register
+from posflock_robotarium.alignment.of_seen import mean_of_seen
 
 LAST_SHARE = 0.1
 """How much of a run is its end: long enough that a script's own last stop is not parking."""
@@ -19,13 +19,14 @@ STALL_SECONDS = 1.0
 """Seconds a robot must stand against its command; the testbed's dead time is 0.2 s."""
 
 
-def _stands(run: MeasuredRun) -> NDArray[np.bool_]:
-    """Return which robot stands when, shape (T, N)."""
-    return np.asarray(ties.within(run.speeds, run.options.slowest))
+def _stands(run: MeasuredRun) -> Floats:
+    """Return which robot stands (1) or moves (0) when, shape (T, N); NaN where that is unknown."""
+    stands = ties.within(run.speeds, run.options.slowest).astype(float)
+    return np.where(np.isfinite(run.speeds), stands, np.nan)
 
 
 def _standing(run: MeasuredRun) -> float:
-    return run.settled_mean(run.once(_stands).mean(axis=1))
+    return run.settled_mean(mean_of_seen(run.once(_stands)))
 
 
 def _robots_standing(run: MeasuredRun) -> float:
@@ -36,12 +37,17 @@ def _robots_standing(run: MeasuredRun) -> float:
 def _standing_end(run: MeasuredRun) -> float:
     t = run.recording.t
     final = ties.reached(t, t[-1] - LAST_SHARE * (t[-1] - t[0]))
-    return weighted_mean(run.once(_stands).mean(axis=1)[final], run.weights[final])
+    return weighted_mean(mean_of_seen(run.once(_stands))[final], run.weights[final])
 
 
 def _displacement(run: MeasuredRun) -> float:
-    centroid = run.positions.mean(axis=2)
-    return float(np.hypot(*(centroid[-1] - centroid[0])))
+    # Of each robot from where it was first seen to where last: who is not seen is no displacement.
+    ends = [
+        run.positions[rows[-1], :, n] - run.positions[rows[0], :, n]
+        for n, rows in enumerate(np.flatnonzero(seen) for seen in run.seen.T)
+        if rows.size
+    ]
+    return float(np.hypot(*np.mean(ends, axis=0)))
 
 
 def _stalls(run: MeasuredRun) -> tuple[int, float] | None:
@@ -49,7 +55,7 @@ def _stalls(run: MeasuredRun) -> tuple[int, float] | None:
     t, commands = run.recording.t, run.recording.commands
     if commands is None:
         return None
-    stuck = run.once(_stands) & ties.reached(np.abs(commands[:, 0]), STALL_COMMAND)
+    stuck = (run.once(_stands) == 1) & ties.reached(np.abs(commands[:, 0]), STALL_COMMAND)
     count, seconds = 0, 0.0
     for column in stuck.T:
         edges = np.diff(np.concatenate([[0], column.astype(np.int8), [0]]))
@@ -105,7 +111,8 @@ register(
         "centroid_displacement",
         "displacement of the centroid",
         "m",
-        "Straight line from the first to the last position of the flock's centroid.",
+        "Straight line from the first to the last position of the flock's centroid; of a robot "
+        "that is not seen throughout, between those at which it is.",
         "Motion",
         _displacement,
     ),

@@ -3,7 +3,8 @@
 Every function takes states with any leading axes, ``(..., d, N)``, typically ``(T, d, N)``
 for a whole run, and returns one value for each of them.  Positions are in metres,
 velocities in m/s.  The definitions are the paper's (Jond et al., Section "Simulation"),
-made exact where it leaves room.
+made exact where it leaves room.  An agent whose state is NaN is not there: every value
+is of those that are, and NaN where that is nobody.
 
 ``directions``    whether agents go one way: γ, polarisation, the common heading
 ``velocities``    velocities from positions, speeds, wheels

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from posflock_robotarium.alignment.metrics.distances import pairwise_distances
 from posflock_robotarium.alignment.metrics.states import checked_states
+from posflock_robotarium.alignment.of_seen import centroid_of_seen, mean_of_seen
 
 Floats = NDArray[np.float64]
 
@@ -25,8 +26,8 @@ def cohesive_radius(positions: ArrayLike) -> Floats:
         The distance, m.
     """
     p = checked_states(positions, "positions")
-    offset = p - p.mean(axis=-1, keepdims=True)
-    return np.asarray(np.sqrt(np.square(offset).sum(axis=-2)).max(axis=-1))
+    offset = p - centroid_of_seen(p)[..., np.newaxis]
+    return np.asarray(np.fmax.reduce(np.sqrt(np.square(offset).sum(axis=-2)), axis=-1))
 
 
 def spread(positions: ArrayLike) -> Floats:
@@ -43,8 +44,8 @@ def spread(positions: ArrayLike) -> Floats:
         The distance, m.
     """
     p = checked_states(positions, "positions")
-    offset = p - p.mean(axis=-1, keepdims=True)
-    return np.asarray(np.sqrt(np.square(offset).sum(axis=-2).mean(axis=-1)))
+    offset = p - centroid_of_seen(p)[..., np.newaxis]
+    return np.sqrt(mean_of_seen(np.square(offset).sum(axis=-2)))
 
 
 def pairwise_distance_variance(positions: ArrayLike) -> Floats:

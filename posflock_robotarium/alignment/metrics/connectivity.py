@@ -33,15 +33,23 @@ def algebraic_connectivity(positions: ArrayLike, radius: float | Floats) -> Floa
     (...) array
         The eigenvalue, from 0 to N.
     """
-    adjacency = neighbours(checked_states(positions, "positions"), radius)
+    p = checked_states(positions, "positions")
+    adjacency = neighbours(p, radius)
+    there = _there(p)
     if adjacency.shape[-1] < 2:
         return np.full(adjacency.shape[:-2], np.nan)
     links = (adjacency | np.swapaxes(adjacency, -1, -2)).astype(float)
     laplacian = -links
     agents = np.arange(links.shape[-1])
     laplacian[..., agents, agents] = links.sum(axis=-1)
-    second = np.linalg.eigvalsh(laplacian)[..., 1]
-    return np.where(beyond(second, 0.0), second, 0.0)
+    values = np.linalg.eigvalsh(laplacian)
+    if there.all():
+        second = values[..., 1]
+    else:  # each agent that is not there has a zero of its own
+        place = np.minimum(1 + (~there).sum(axis=-1), values.shape[-1] - 1)
+        second = np.take_along_axis(values, place[..., np.newaxis], axis=-1)[..., 0]
+    alone = there.sum(axis=-1) < 2
+    return np.where(alone, np.nan, np.where(beyond(second, 0.0), second, 0.0))
 
 
 def connected_components(positions: ArrayLike, radius: float | Floats) -> NDArray[np.int_]:
@@ -60,7 +68,8 @@ def connected_components(positions: ArrayLike, radius: float | Floats) -> NDArra
         The number of groups.
     """
     p = checked_states(positions, "positions")
-    if p.shape[-1] >= TREE_FROM_AGENTS:
+    there = _there(p)
+    if p.shape[-1] >= TREE_FROM_AGENTS and there.all():
         groups = of_each_flock(lambda flock: _tree_components(flock, radius), p)
         return np.asarray(groups, dtype=int)
     adjacency = neighbours(p, radius)
@@ -75,7 +84,14 @@ def connected_components(positions: ArrayLike, radius: float | Floats) -> NDArra
     )
     _, labels = _components(links, directed=False)
     counts = [len(np.unique(row)) for row in labels.reshape(-1, agents)]
-    return np.asarray(counts, dtype=int).reshape(adjacency.shape[:-2])
+    groups = np.asarray(counts, dtype=int).reshape(adjacency.shape[:-2])
+    # Who is not there has no links, and is no group.
+    return np.asarray(groups - (~there).sum(axis=-1), dtype=int)
+
+
+def _there(p: Floats) -> NDArray[np.bool_]:
+    """Return which agents are there, (..., N)."""
+    return np.asarray(np.isfinite(p).all(axis=-2), dtype=bool)
 
 
 def _tree_components(p: Floats, radius: float | Floats) -> int:

@@ -167,7 +167,7 @@ def _neighbour_sums(
     p: Floats, radius: float | Floats, moving: NDArray[np.bool_], direction: Floats
 ) -> tuple[NDArray[np.int_], Floats]:
     """Return how many moving neighbours each agent has, and the sum of their directions."""
-    if p.shape[-1] < TREE_FROM_AGENTS:
+    if p.shape[-1] < TREE_FROM_AGENTS or np.isnan(p).any():
         heard = neighbours(p, radius) & moving[..., None, :]
         around = np.einsum("...ij,...dj->...di", heard.astype(float), direction)
         return heard.sum(axis=-1), around

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from barrier_certificates.wall_distance import wall_distances
 from posflock_robotarium.alignment.metrics.states import checked_states, of_each_flock
+from posflock_robotarium.alignment.of_seen import mean_of_seen
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.law import displacements
 from posflock_robotarium.freespace.neighbour_search import TREE_FROM_AGENTS, nearest_distances
@@ -33,7 +34,8 @@ def nearest_neighbour_distance(positions: ArrayLike) -> Floats:
     nearest = _nearest(positions)
     if nearest.shape[-1] < 2:
         return np.full(nearest.shape[:-1], np.nan)
-    return np.asarray(nearest.mean(axis=-1))
+    alone = np.isinf(nearest)
+    return mean_of_seen(np.where(alone, np.nan, nearest)) if alone.any() else nearest.mean(axis=-1)
 
 
 def smallest_distance(positions: ArrayLike) -> Floats:
@@ -70,7 +72,7 @@ def wall_distance(positions: ArrayLike, arena: tuple[float, float, float, float]
         The distance, m.
     """
     p = checked_states(positions, "positions")
-    return np.asarray(wall_distances(p, arena).min(axis=-1))
+    return np.asarray(np.fmin.reduce(wall_distances(p, arena), axis=-1))
 
 
 def pairwise_distances(positions: ArrayLike) -> Floats:
@@ -102,7 +104,7 @@ def pairwise_distances(positions: ArrayLike) -> Floats:
 def _nearest(positions: ArrayLike) -> Floats:
     """Return each agent's distance to the nearest other, (..., N); infinite where alone."""
     p = checked_states(positions, "positions")
-    if p.shape[-1] >= TREE_FROM_AGENTS:
+    if p.shape[-1] >= TREE_FROM_AGENTS and not np.isnan(p).any():
         return of_each_flock(nearest_distances, p)
     return np.asarray(_distances(p).min(axis=-1))
 
@@ -111,6 +113,7 @@ def _distances(positions: ArrayLike) -> Floats:
     """Return ‖p_j − p_i‖ with infinity on the diagonal, (..., N, N)."""
     offset = displacements(checked_states(positions, "positions"))
     distance = np.sqrt(np.square(offset).sum(axis=-3))
+    distance[np.isnan(distance)] = np.inf
     agents = np.arange(distance.shape[-1])
     distance[..., agents, agents] = np.inf
     return np.asarray(distance)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.logs.readers.bounds import BOUNDS, Bounds
 from posflock_robotarium.logs.readers.layouts import COLUMN_ORDERS
+from posflock_robotarium.logs.robots import NOTHING_GIVEN, GivenRobot
 
 Floats = NDArray[np.float64]
 
@@ -58,6 +59,10 @@ class ReadOptions:
         What lengths are in, where the file does not say it.
     degrees : bool
         Whether angles are in degrees, where the file does not say it.
+    given : GivenRobot
+        What the user says of robot and arena, whatever the log says.
+    fix_swaps : bool
+        Whether robots that are taken for each other get their own poses back.
 
     Raises
     ------
@@ -74,6 +79,8 @@ class ReadOptions:
     clock: LogClock = LogClock.FILE
     units: Lengths | None = None
     degrees: bool = False
+    given: GivenRobot = NOTHING_GIVEN
+    fix_swaps: bool = False
 
     def __post_init__(self) -> None:
         if self.dt is not None and not (np.isfinite(self.dt) and self.dt > 0):
@@ -140,13 +147,13 @@ class Found:
         """
         return replace(self, notes=(*self.notes, note))
 
-    def rows(self, chosen: slice | NDArray[np.bool_]) -> Found:
+    def rows(self, chosen: slice | NDArray[np.bool_] | NDArray[np.intp]) -> Found:
         """Return some of the samples, of every column.
 
         Parameters
         ----------
-        chosen : slice or (T,) boolean array
-            Which samples stay.
+        chosen : slice, (T,) boolean array or (k,) integer array
+            Which samples stay, and in which order.
         """
 
         def of(column: NDArray[Any] | None) -> Any:

@@ -100,6 +100,8 @@ NAMES = tuple(dict.fromkeys(layout.name for layout in LAYOUTS))
 COLUMN_ORDERS = ("state", "robot")
 _FAR, _SLIDING = 0.005, 0.25
 """Metres in five samples that are motion and no noise, and a share of it that no wheels do."""
+_JUMP = 10.0
+"""How many times farther than usual no robot drives."""
 _LONGER_THAN_ARENAS = 10.0
 """Seconds of a run that are no metres of an arena."""
 MATLABS_OWN = "robotarium_data"
@@ -293,15 +295,21 @@ def sideways_share(poses: Floats) -> float:
         np.remainder(ahead[:, 2] - behind[:, 2] + np.pi, 2 * np.pi) - np.pi
     )
     across = -np.sin(middle) * dx + np.cos(middle) * dy
-    total = float(np.sum(dx * dx + dy * dy))
-    return float(np.sum(across * across)) / total if total > 0 else float("nan")
+    way = dx * dx + dy * dy
+    # A robot that is lost for a while, or jumps, says nothing of how wheels roll.
+    moved = way[np.isfinite(across) & (way > 0)]
+    usual = np.isfinite(across) & (way <= _JUMP**2 * (np.median(moved) if moved.size else 0.0))
+    total = float(np.sum(way[usual]))
+    return float(np.sum(np.square(across[usual]))) / total if total > 0 else float("nan")
 
 
 def _ask_where_robots_slide(chosen: Layout, array: Floats, where: str) -> None:
     """Refuse the only reading of a flat table if robots drive across their headings in it."""
     poses = chosen.turn(array)[:, :3]
     with np.errstate(all="ignore"):
-        far = np.sqrt(np.mean((poses[5:, :2] - poses[:-5, :2]) ** 2)) if len(poses) > 5 else 0.0
+        moved = (poses[5:, :2] - poses[:-5, :2]) ** 2
+        moved = moved[np.isfinite(moved)]
+        far = np.sqrt(np.mean(moved)) if moved.size else 0.0
         share = sideways_share(poses)
     if far > _FAR and share > _SLIDING:
         raise LayoutError(

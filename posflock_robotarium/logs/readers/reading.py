@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from posflock_robotarium.flocking.errors import LogError, ParameterError, PosflockError
 from posflock_robotarium.flocking.pose_log import log_paths
+from posflock_robotarium.logs.plausibility import without_exchanges
 from posflock_robotarium.logs.printed_log import printed_beside
 from posflock_robotarium.logs.readers.bounds import Bounds
 from posflock_robotarium.logs.readers.bundles import files_of, is_bundle
@@ -27,11 +28,12 @@ from posflock_robotarium.logs.readers.found import Found, LogClock, ReadOptions
 from posflock_robotarium.logs.readers.named_arrays import poses_among
 from posflock_robotarium.logs.readers.names import STATE_NAMES, TIME_NAMES
 from posflock_robotarium.logs.readers.numpy_arrays import NPY, read_npy
+from posflock_robotarium.logs.readers.order import in_order, one_row_a_frame, one_row_a_time
 from posflock_robotarium.logs.readers.pose_logs import FIELDS, POSE_LOG, run_of
 from posflock_robotarium.logs.readers.timing import SINCE_1970, timed
 from posflock_robotarium.logs.readers.units import SAME_FRAME, in_metres, without_repeats
 from posflock_robotarium.logs.real_time import believed, over_real_time
-from posflock_robotarium.logs.run import Run, missing_rows
+from posflock_robotarium.logs.run import GAP_FACTOR, Run, missing_rows
 from posflock_robotarium.logs.start import with_printed
 
 Floats = NDArray[np.float64]
@@ -63,15 +65,29 @@ def read(path: str | os.PathLike[str], options: ReadOptions | None = None) -> Ru
     options = options or ReadOptions()
     if is_bundle(Path(path)):
         with files_of(Path(path), options.bounds) as files:
-            run = replace(read_parts(files, options), name=Path(path).stem, sources=(str(path),))
-            return run if run.printed else with_printed(run, printed_beside(files[0]))
-    file = _existing(Path(path))
+            run = replace(_parts(files, options), name=Path(path).stem, sources=(str(path),))
+            run = run if run.printed else with_printed(run, printed_beside(files[0]))
+    else:
+        run = _file(_existing(Path(path)), options)
+    return _as_asked(run, options)
+
+
+def _file(file: Path, options: ReadOptions) -> Run:
     with _named(file):
         found = form_of(file).read(file, options)
-        if not isinstance(found, Run):
+        if isinstance(found, Run):
+            found = replace(found, parameters=options.given.among(found.parameters))
+        else:
             found = _recording(found, file.stem, (str(file),), options)
         found = with_printed(found, printed_beside(file))
         return over_real_time(found) if options.clock is LogClock.REAL else found
+
+
+def _as_asked(run: Run, options: ReadOptions) -> Run:
+    """Do to a run that has been read what the user asks to be done."""
+    if options.given.words:
+        run = run.noted(options.given.words)
+    return without_exchanges(run) if options.fix_swaps else run
 
 
 def read_pose_log(path: str | os.PathLike[str]) -> Run:
@@ -121,6 +137,12 @@ def read_parts(paths: Sequence[str | os.PathLike[str]], options: ReadOptions | N
         raise ParameterError("no file to read")
     if len(files) == 1:
         return read(files[0], options)
+    return _as_asked(_parts(files, options), options)
+
+
+def _parts(files: list[Path], options: ReadOptions) -> Run:
+    if len(files) == 1:
+        return _file(files[0], options)
     named = _complementary(files, options.bounds)
     if named is not None:
         sources = tuple(str(file) for file in files)
@@ -130,7 +152,7 @@ def read_parts(paths: Sequence[str | os.PathLike[str]], options: ReadOptions | N
     robots = _one_robot_each(files, options)
     if robots is not None:
         return _recording(robots, files[0].parent.name or "run", tuple(map(str, files)), options)
-    return _concatenate([read(file, options) for file in files])
+    return _concatenate([_file(file, options) for file in files])
 
 
 def _one_robot_each(files: list[Path], options: ReadOptions) -> Found | None:
@@ -179,11 +201,15 @@ def _existing(path: Path) -> Path:
 def _recording(found: Found, name: str, sources: tuple[str, ...], options: ReadOptions) -> Run:
     """Time what was found, leave out what is none, and check it."""
     options.bounds.require_robots(found.poses.shape[2], sources[0])
+    found = replace(found, parameters=options.given.among(found.parameters))
     recorded, doubts = found.t is not None, missing_rows(len(found.poses), found.promised)
-    found = in_metres(_without_tail(found), sources[0], options)
+    found = in_metres(_without_ends(found), sources[0], options)
     # Equal times must go before times are judged, nearly equal ones need seconds.
-    found = timed(without_repeats(found), sources[0], options)
+    found = timed(one_row_a_time(without_repeats(in_order(found))), sources[0], options)
     found = without_repeats(found, SAME_FRAME)
+    lasted = found.t
+    found = one_row_a_frame(found)
+    doubts += _stopped_tracking(lasted, found.t)
     if options.drop_damaged:
         found = _without_damage(found)
     t = np.asarray(found.t)
@@ -214,13 +240,25 @@ def _recording(found: Found, name: str, sources: tuple[str, ...], options: ReadO
     )
 
 
-def _without_tail(found: Found) -> Found:
-    """Cut off rows that were prepared and never filled."""
-    reached, rows = _reached(found.poses), len(found.poses)
-    if reached == rows:
-        return found
-    note = f"cut at row {reached} of {rows}: the rest was never filled in"
-    return found.noted(note).rows(slice(reached))
+def _stopped_tracking(lasted: Floats | None, told: Floats | None) -> tuple[str, ...]:
+    """Say that a log goes on after the last new frame of the camera."""
+    if lasted is None or told is None or len(told) < 2:
+        return ()
+    more = float(lasted[-1] - told[-1])
+    if not more > max(1.0, GAP_FACTOR * float(np.median(np.diff(told)))):
+        return ()
+    return (f"its last {more:.1f} s hold one frame of the camera, and no news",)
+
+
+def _without_ends(found: Found) -> Found:
+    """Cut off rows in which no robot is yet, and those that were prepared and never filled."""
+    first, reached = _filled(found.poses)
+    rows = len(found.poses)
+    if reached < rows:
+        found = found.noted(f"cut at row {reached} of {rows}: the rest was never filled in")
+    if first > 0:
+        found = found.noted(f"begins at row {first}: no robot is in the rows before")
+    return found if reached == rows and first == 0 else found.rows(slice(first, reached))
 
 
 def _without_damage(found: Found) -> Found:
@@ -235,13 +273,16 @@ def _without_damage(found: Found) -> Found:
     return found.noted(f"{int((~sound).sum())} damaged row(s) left out, as asked").rows(sound)
 
 
-def _reached(poses: Floats) -> int:
-    """Rows before a tail that was prepared and never filled: all NaN, or all robots at 0, 0, 0."""
+def _filled(poses: Floats) -> tuple[int, int]:
+    """Return the first row and the row after the last that hold robots: not all NaN, or all 0."""
     blank = np.isnan(poses).all(axis=(1, 2))
-    if poses.shape[2] > 1:
-        blank |= (poses == 0).all(axis=(1, 2))
-    filled = np.flatnonzero(~blank)
-    return int(filled[-1]) + 1 if filled.size else 0
+    zeros = (poses == 0).all(axis=(1, 2)) & (poses.shape[2] > 1)
+    filled = np.flatnonzero(~(blank | zeros))
+    if not filled.size:
+        return 0, 0
+    # One row of zeros is how some scripts begin; robots are not all in one place for longer.
+    first = int(filled[0]) if zeros[: filled[0]].sum() != 1 else int(np.flatnonzero(~blank)[0])
+    return first, int(filled[-1]) + 1
 
 
 def _complementary(files: list[Path], bounds: Bounds) -> dict[str, NDArray[Any]] | None:

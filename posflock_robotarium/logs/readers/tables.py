@@ -202,6 +202,10 @@ def _split(line: str, delimiter: str) -> list[str]:
     return next(csv.reader([line], delimiter=delimiter))
 
 
+_UNKNOWN = {"", "na", "n/a", "#n/a", "null", "none", "nil", "missing", "lost", "-", "--", "?", "."}
+"""How spreadsheets and programs write a number that is not known; NaN is a number of its own."""
+
+
 def _is_number(cell: str) -> bool:
     try:
         float(cell)
@@ -256,7 +260,9 @@ def _unusual_cells(
     words: dict[int, tuple[str, ...]] = {}
     for index, column in enumerate(columns):
         try:
-            values[:, index] = [float(cell) if cell else np.nan for cell in column]
+            values[:, index] = [
+                np.nan if cell.lower() in _UNKNOWN else float(cell) for cell in column
+            ]
         except ValueError:
             # A column is of words throughout: among numbers, a word is damage.
             if any(_is_number(cell) for cell in column):

@@ -70,8 +70,11 @@ def _scaled(found: Found, axis: int, factor: float) -> Found:
 
 def _ask_where_too_far(found: Found, where: str) -> None:
     reach = max(map(abs, robot_of(found.parameters).model.boundaries))
+    # Of each robot at each time: a marker for one that is lost is not where robots usually are.
     away = np.abs(found.poses[:, :2]).max(axis=1)
-    away = away[np.isfinite(away)]
+    moves = np.ones(away.shape, dtype=bool)
+    moves[1:] = away[1:] != away[:-1]
+    away = away[np.isfinite(away) & moves]
     usual = float(np.median(away)) if away.size else 0.0
     if usual > ARENAS_AWAY * reach:
         raise LayoutError(
@@ -92,7 +95,9 @@ def without_repeats(found: Found, within: float = 0.0) -> Found:
     """
     if found.t is None or len(found.t) != len(found.poses) or len(found.t) < 3:
         return found
-    same = np.concatenate([[False], (np.diff(found.poses, axis=0) == 0).all(axis=(1, 2))])
+    with np.errstate(invalid="ignore", over="ignore"):
+        equal = (np.diff(found.poses, axis=0) == 0).all(axis=(1, 2))
+    same = np.concatenate([[False], equal])
     if not same.any() or same[1:].all():
         return found
     new = found.t[~same]

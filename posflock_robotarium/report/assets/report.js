@@ -26,11 +26,19 @@ function frameAt(time) {
 }
 function poseOf(frame, robot) {
   const n = run.robots, base = frame * 3 * n;
+  if (run.q[base + robot] === 65535) return null; // not seen
   return [
     run.low[0] + (run.q[base + robot] / 65534) * run.span[0],
     run.low[1] + (run.q[base + n + robot] / 65534) * run.span[1],
     (run.q[base + 2 * n + robot] / 65534) * 2 * Math.PI,
   ];
+}
+function lastSeen(frame, robot) {
+  for (let k = frame; k >= 0; k--) {
+    const pose = poseOf(k, robot);
+    if (pose) return pose;
+  }
+  return null;
 }
 /* Between two frames robots move in a straight line, unless a gap lies between. */
 function posesAt(time) {
@@ -40,9 +48,8 @@ function posesAt(time) {
   if (length > 0.5) share = 0;
   const poses = [];
   for (let i = 0; i < run.robots; i++) {
-    const a = poseOf(frame, i);
-    if (share > 0) {
-      const b = poseOf(next, i);
+    const a = poseOf(frame, i), b = share > 0 ? poseOf(next, i) : null;
+    if (a && b) {
       const turn = Math.atan2(Math.sin(b[2] - a[2]), Math.cos(b[2] - a[2]));
       poses.push([a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]), a[2] + share * turn]);
     } else poses.push(a);
@@ -147,10 +154,11 @@ function drawArena() {
         let open = false, when = run.t[from];
         for (let k = from; k <= to; k += step) {
           const p = poseOf(k, i);
+          if (!p) { open = false; continue; }
           if (open && run.t[k] - when < 0.5 * step) c.lineTo(X(p[0]), Y(p[1])); else c.moveTo(X(p[0]), Y(p[1]));
           open = true; when = run.t[k];
         }
-        if (piece === 2) c.lineTo(X(poses[i][0]), Y(poses[i][1]));
+        if (piece === 2 && open && poses[i]) c.lineTo(X(poses[i][0]), Y(poses[i][1]));
         c.stroke();
       }
     }
@@ -161,7 +169,7 @@ function drawArena() {
     c.beginPath();
     for (let i = 0; i < run.robots; i++)
       for (let j = i + 1; j < run.robots; j++)
-        if (Math.hypot(poses[i][0] - poses[j][0], poses[i][1] - poses[j][1]) < Math.max(run.radius[i], run.radius[j])) {
+        if (poses[i] && poses[j] && Math.hypot(poses[i][0] - poses[j][0], poses[i][1] - poses[j][1]) < Math.max(run.radius[i], run.radius[j])) {
           c.moveTo(X(poses[i][0]), Y(poses[i][1])); c.lineTo(X(poses[j][0]), Y(poses[j][1]));
         }
     c.stroke();
@@ -171,7 +179,18 @@ function drawArena() {
     if (state.time + origin() >= event.t - 0.05 && state.time + origin() <= Math.max(event.end, event.t + 0.4)) event.robots.forEach((i) => troubled.add(i));
   c.font = `600 ${Math.round(0.075 * scale)}px system-ui, sans-serif`;
   c.textAlign = "center"; c.textBaseline = "middle";
-  poses.forEach(([x, y, heading], i) => {
+  poses.forEach((pose, i) => {
+    const seen = pose || lastSeen(frame, i);
+    if (!seen) return;
+    const [x, y, heading] = seen;
+    if (!pose) { // where it was last seen, as an outline
+      c.lineWidth = 2 * thin; c.strokeStyle = colour.soft; c.setLineDash([4 * thin, 4 * thin]);
+      c.strokeRect(X(x - 0.055), Y(y + 0.055), 0.11 * scale, 0.11 * scale);
+      c.setLineDash([]);
+      c.fillStyle = colour.soft;
+      c.fillText("?", X(x), Y(y));
+      return;
+    }
     c.save();
     c.translate(X(x), Y(y)); c.rotate(-heading); c.scale(scale, scale);
     c.fillStyle = troubled.has(i) ? colour.bad : colour.robot;

@@ -1,0 +1,169 @@
+"""Poses that are no new ones: a frame that was written again, or a tracker that held its last pose.
+
+A pose that is equal to the one before it, to the last bit, is one of two things: a robot that
+stands, in a simulation without noise; or an old pose.  It is an old one where
+
+- the log jitters: a tracker never sees the same place twice, to the last bit;
+- the robot catches up: its next new pose is as far away as it had gone on driving meanwhile;
+- the whole team holds again and again, for a few rows each time: the loop outruns the camera.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Booleans = NDArray[np.bool_]
+
+#: Metres of jitter across the heading that no simulation without noise has.
+_JITTER = 2e-5
+#: How many times what the log rounds its numbers to jitter must be, to be none of that.
+_ROUNDED = 2.0
+#: Share of equal poses of a robot whose own jitter cannot be told.
+_NEVER_NEW = 0.95
+#: Rows around a held pose by which it is judged whether the robot drove meanwhile.
+_AROUND = 15
+#: New poses around it without which nothing is told.
+_FEWEST = 3
+#: A camera slower than the loop: so many stretches, so short, for so much of the log.
+_STRETCHES, _SHORT, _OFTEN = 10, 4, 0.25
+
+
+def held_poses(poses: Floats) -> Booleans:
+    """Tell which poses are old ones.
+
+    Parameters
+    ----------
+    poses : (T, 3, N) array
+        Poses, m and rad; NaN where a robot was not seen.
+
+    Returns
+    -------
+    (T, N) boolean array
+        Whether a robot's pose is one that it had before, and not where it was then.
+    """
+    same = np.zeros((len(poses), poses.shape[2]), dtype=bool)
+    steps = np.diff(poses, axis=0)
+    unheaded = np.isnan(steps[:, 2]) & np.isfinite(steps[:, 0])
+    same[1:] = (steps[:, :2] == 0).all(axis=1) & ((steps[:, 2] == 0) | unheaded)
+    if not same.any():
+        return same
+    held = np.zeros_like(same)
+    slow_camera = _camera_is_slow(same, np.isfinite(poses[:, 0]))
+    held |= same & slow_camera[:, np.newaxis]
+    jitters = [_jitters(poses[:, :, n], same[:, n]) for n in range(same.shape[1])]
+    for robot in np.flatnonzero((same & ~held).any(axis=0)):
+        # What is seen of a robot that never moves is told by the others: one tracker sees all.
+        never = same[1:, robot].mean() > _NEVER_NEW
+        if jitters[robot] or (never and any(jitters)):
+            held[:, robot] = same[:, robot]
+            continue
+        for rows in stretches_of(same[:, robot] & ~slow_camera):
+            held[rows, robot] = _catches_up(poses[:, :2, robot], same[:, robot], rows)
+    return held
+
+
+def repeated_frames(poses: Floats) -> Booleans:
+    """Tell which rows say nothing new of anybody.
+
+    Parameters
+    ----------
+    poses : (T, 3, N) array
+        Poses, m and rad; NaN where a robot was not seen.
+
+    Returns
+    -------
+    (T,) boolean array
+        Whether all robots that are seen in a row hold old poses.
+    """
+    return nobody_new(held_poses(poses), np.isfinite(poses[:, 0]))
+
+
+def nobody_new(held: Booleans, seen: Booleans) -> Booleans:
+    """Tell in which rows all robots that are seen hold old poses.
+
+    Parameters
+    ----------
+    held : (T, N) boolean array
+        Which poses are old ones.
+    seen : (T, N) boolean array
+        Which poses are there.
+
+    Returns
+    -------
+    (T,) boolean array
+        Whether there is a pose in the row, and no new one.
+    """
+    return np.asarray(held.any(axis=1) & ~(seen & ~held).any(axis=1), dtype=bool)
+
+
+def _camera_is_slow(same: Booleans, seen: Booleans) -> Booleans:
+    """Return the rows in which the whole team holds its poses, as it does again and again."""
+    all_same = nobody_new(same, seen)
+    short = [rows for rows in stretches_of(all_same) if rows.stop - rows.start <= _SHORT]
+    held: Booleans = np.zeros(len(same), dtype=bool)
+    if len(short) >= _STRETCHES:
+        for rows in short:
+            held[rows] = True
+    if held.sum() < _OFTEN * len(same):
+        held[:] = False
+    return held
+
+
+def _jitters(poses: Floats, same: Booleans) -> bool:
+    """Whether a robot's poses (T, 3) scatter across its heading, as only tracked ones do."""
+    moved, turned = np.diff(poses[:, :2], axis=0), np.diff(poses[:, 2])
+    new = ~same[1:] & np.isfinite(turned)
+    if new.sum() < _AROUND:
+        return False
+    # A simulator goes along the heading of the row before, or along that in the middle.
+    across = [
+        np.abs(moved[new, 1] * np.cos(angle) - moved[new, 0] * np.sin(angle))
+        for angle in (poses[:-1, 2][new], poses[:-1, 2][new] + turned[new] / 2)
+    ]
+    jitter = float(np.median(np.minimum(*across)))
+    return jitter > max(_JITTER, _ROUNDED * _rounding(poses[np.isfinite(poses[:, 0]), 0]))
+
+
+def _rounding(values: Floats) -> float:
+    """Return what decimal numbers were rounded to, m; 0 where they were not."""
+    for digits in range(1, 6):
+        scaled = values * 10.0**digits
+        if float(np.abs(scaled - np.rint(scaled)).max(initial=0.0)) < 1e-6:
+            return float(10.0**-digits)
+    return 0.0
+
+
+def _catches_up(positions: Floats, same: Booleans, held: slice) -> bool:
+    """Whether a robot (T, 2) is, after rows in which it held its pose, where it had gone on to."""
+    first, last = held.start, held.stop
+    if last >= len(positions):
+        return False
+    caught = float(np.hypot(*(positions[last] - positions[first - 1])))
+    usual = []
+    for rows in (np.arange(max(1, first - _AROUND), first), np.arange(last + 1, last + _AROUND)):
+        new = rows[rows < len(positions)]
+        new = new[~same[new]]
+        steps = np.hypot(*(positions[new] - positions[new - 1]).T)
+        steps = steps[np.isfinite(steps) & (steps > 0)]
+        if len(steps) >= _FEWEST:
+            usual.append(float(np.median(steps)))
+    return bool(usual) and caught > (1 + (last - first) / 2) * max(usual)
+
+
+def stretches_of(flags: Booleans) -> list[slice]:
+    """Return where flags are set.
+
+    Parameters
+    ----------
+    flags : (T,) boolean array
+        Any flags, one a row.
+
+    Returns
+    -------
+    list of slice
+        Rows of each stretch, in order.
+    """
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
+    return [slice(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
