@@ -29,8 +29,9 @@ def kept_formation(v: Mapping[str, float]) -> RunVerdict:
     if math.isnan(end):
         answer = "Unknown: no two robots are seen at the end."
         return RunVerdict(question, Mark.UNKNOWN, answer, "")
+    far = f"up to {end:.3f} m" if end >= 0.001 else "less than a millimetre"
     because = (
-        f"Over the last tenth of the run, distances are up to {end:.3f} m (root mean square) off "
+        f"Over the last tenth of the run, distances are {far} (root mean square) off "
         f"their means. Whether the shape is the one that was meant, a metric of your own tells."
     )
     if math.isnan(since) or ties.beyond(end, KEPT):
