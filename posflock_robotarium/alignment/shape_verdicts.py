@@ -26,8 +26,12 @@ def kept_formation(v: Mapping[str, float]) -> RunVerdict:
     if "shape_kept_from" not in v:
         return RunVerdict(question, Mark.UNKNOWN, "One robot has no formation.", "")
     end, since = v["shape_change_end"], v["shape_kept_from"]
+    if math.isnan(end):
+        answer = "Unknown: no two robots are seen at the end."
+        return RunVerdict(question, Mark.UNKNOWN, answer, "")
+    far = f"up to {end:.3f} m" if end >= 0.001 else "less than a millimetre"
     because = (
-        f"Over the last tenth of the run, distances are up to {end:.3f} m (root mean square) off "
+        f"Over the last tenth of the run, distances are {far} (root mean square) off "
         f"their means. Whether the shape is the one that was meant, a metric of your own tells."
     )
     if math.isnan(since) or ties.beyond(end, KEPT):
@@ -52,9 +56,12 @@ def covered(v: Mapping[str, float]) -> RunVerdict:
     """
     question = "Does it cover the arena?"
     start, end, offset = v["coverage_start"], v["coverage_end"], v["cell_offset_end"]
+    if math.isnan(end):
+        answer = "Unknown: not all robots are seen at the end."
+        return RunVerdict(question, Mark.UNKNOWN, answer, "")
     because = (
         f"A place is {start:.3f} m from the nearest robot on average at the start, {end:.3f} m at "
-        f"the end, every place counting alike."
+        "the end, every place counting alike."
     )
     if math.isnan(offset):
         because += " Some robot is nearest to no place."

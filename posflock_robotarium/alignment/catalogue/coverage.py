@@ -50,7 +50,12 @@ def _coverage(run: MeasuredRun) -> Coverage | None:
 
 
 def _of_team(team: Floats, places: Floats) -> tuple[float, float]:
-    """Return mean distance and largest offset of one team, (2, N), by the places of the arena."""
+    """Return mean distance and largest offset of one team, (2, N), by the places of the arena.
+
+    Both are unknown while somebody is not seen, who covers places all the same.
+    """
+    if np.isnan(team).any():
+        return float("nan"), float("nan")
     apart = np.square(places[0] - team[0, :, None]) + np.square(places[1] - team[1, :, None])
     owner = apart.argmin(axis=0)
     nearest = float(np.sqrt(apart[owner, np.arange(len(owner))]).mean())
@@ -78,12 +83,12 @@ def _first(run: MeasuredRun) -> float | None:
 
 def _last(run: MeasuredRun) -> float | None:
     found = run.once(_coverage)
-    return None if found is None else float(found.distance[ending(run.t)].mean())
+    return None if found is None else run.mean(np.where(ending(run.t), found.distance, np.nan))
 
 
 def _last_offset(run: MeasuredRun) -> float | None:
     found = run.once(_coverage)
-    return None if found is None else float(found.offset[ending(run.t)].max())
+    return None if found is None else float(np.fmax.reduce(found.offset[ending(run.t)]))
 
 
 def _number(

@@ -45,22 +45,31 @@ def _shape_change(run: MeasuredRun) -> Floats | None:
     first, second = np.triu_indices(run.robots, 1)
     x, y = run.positions[:, 0], run.positions[:, 1]
     apart = np.hypot(x[:, first] - x[:, second], y[:, first] - y[:, second])
-    change: Floats = np.sqrt(np.square(apart - apart[ending(run.t)].mean(axis=0)).mean(axis=1))
+    off = np.square(apart - _mean(apart[ending(run.t)], axis=0))
+    change: Floats = np.sqrt(_mean(off, axis=1))
     return change
+
+
+def _mean(values: Floats, axis: int) -> Floats:
+    """Return means of what is known, NaN where nothing is: a pair of which one is not seen."""
+    known = np.isfinite(values)
+    count = known.sum(axis=axis)
+    total = np.where(known, values, 0.0).sum(axis=axis)
+    return np.asarray(np.divide(total, count, out=np.full(count.shape, np.nan), where=count > 0))
 
 
 def _kept_from(run: MeasuredRun) -> float | None:
     change = run.curve("shape_change")
     if change is None:
         return None
-    off = np.flatnonzero(~np.asarray(ties.within(change, KEPT)))
+    off = np.flatnonzero(ties.beyond(change, KEPT))
     first = int(off[-1]) + 1 if off.size else 0
     return float(run.t[first] - run.t[0]) if first < len(run.t) else float("nan")
 
 
 def _at_end(run: MeasuredRun) -> float | None:
     change = run.curve("shape_change")
-    return None if change is None else float(change[ending(run.t)].max())
+    return None if change is None else float(np.fmax.reduce(change[ending(run.t)]))
 
 
 register(
@@ -68,8 +77,8 @@ register(
         "shape_change",
         "change of shape",
         "m",
-        "Root mean square over pairs of how far their distance is from its mean over the last "
-        "tenth of the run: 0 while the team has the shape that it ends in.",
+        "Root mean square over pairs that are seen of how far their distance is from its mean over "
+        "the last tenth of the run: 0 while the team has the shape that it ends in.",
         _shape_change,
         "largest",
         panel=FORMATION,
