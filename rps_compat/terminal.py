@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import io
 import re
+import select
 import sys
 from collections.abc import Iterator
 
@@ -52,3 +53,14 @@ def showable_output() -> Iterator[None]:
         for stream in changed:
             with contextlib.suppress(ValueError):  # it was closed
                 stream.reconfigure(errors="strict")
+
+
+def reader_is_gone() -> bool:
+    """Whether standard output is a pipe that nobody reads any more."""
+    try:
+        number = sys.stdout.fileno()
+        watched = select.poll()
+    except (AttributeError, OSError, ValueError):  # no file, or no such call, as on Windows
+        return False
+    watched.register(number, select.POLLOUT)
+    return any(found & select.POLLERR for _, found in watched.poll(0))

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from posflock_robotarium.alignment.comparison import Comparison
-    from posflock_robotarium.report import Analysis, AnalysisOptions, ReadOptions
+    from posflock_robotarium.report import Analysis, AnalysisOptions, ReadOptions, Run
 
 
 def report(
@@ -178,6 +178,7 @@ def replay(
     time: options.FileClock = "file",
     max_size: options.LargestLog = 256.0,
     max_robots: options.MostRobots = 200,
+    json: options.FilmAsJson = False,
 ) -> None:
     """Film a run from above.
 
@@ -201,7 +202,7 @@ def replay(
     )
     with progress("filming") as told:
         write_video(recording, video, fps=fps, speed=speed, robot=recording.robot, progress=told)
-    say(f"wrote {video}")
+    _print_written(log, video, recording, json)
 
 
 def convert(
@@ -218,6 +219,7 @@ def convert(
     time: options.FileClock = "file",
     max_size: options.LargestLog = 256.0,
     max_robots: options.MostRobots = 200,
+    json: options.WrittenAsJson = False,
 ) -> None:
     """Write a log in another tool's format.
 
@@ -242,7 +244,21 @@ def convert(
     reading = _reading(
         layout, columns, dt, array, drop_damaged, units, degrees, time, max_size, max_robots
     )
-    say(f"wrote {write(read(log, reading), target)}")
+    recording = read(log, reading)
+    _print_written(log, write(recording, target), recording, json)
+
+
+def _print_written(log: Path, path: Path, recording: "Run", as_json: bool) -> None:
+    """Tell the file that a log became; as JSON, with what is in it."""
+    if not as_json:
+        say(f"wrote {path}")
+        return
+    import json
+
+    steps, _, robots = recording.poses.shape
+    told = {"log": str(log), "file": str(path), "bytes": path.stat().st_size}
+    seconds = float(recording.t[-1] - recording.t[0]) if steps else None
+    say(json.dumps(told | {"rows": steps, "robots": robots, "seconds": seconds}, indent=1))
 
 
 def _reading(
