@@ -44,15 +44,16 @@ def showable_output() -> Iterator[None]:
     """
     changed = []
     for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper) and stream.errors == "strict":
+        # "surrogateescape" is what Python chooses in the C locale: it fails as "strict" does.
+        if isinstance(stream, io.TextIOWrapper) and stream.errors in ("strict", "surrogateescape"):
+            changed.append((stream, stream.errors))
             stream.reconfigure(errors="backslashreplace")
-            changed.append(stream)
     try:
         yield
     finally:
-        for stream in changed:
+        for stream, errors in changed:
             with contextlib.suppress(ValueError):  # it was closed
-                stream.reconfigure(errors="strict")
+                stream.reconfigure(errors=errors)
 
 
 def reader_is_gone() -> bool:

@@ -95,7 +95,7 @@ def _log(path: Path, offset: float = 0.0, robots: int = 4) -> None:
     steps, dt, v, w = 900, 0.033, 0.1, 0.3
     path.parent.mkdir(parents=True, exist_ok=True)
     chance = np.random.default_rng(int(100 * offset) + 3)
-    with PoseLog(path, robots, steps, {"time_step": dt, "robots": robots}) as log:
+    with PoseLog(path, robots, steps, {"time_step": dt, "neighbour_radius": 0.75}) as log:
         theta = np.linspace(0.0, 0.5, robots)
         poses = np.stack([np.linspace(-0.8, 0.8, robots), np.full(robots, offset), theta])
         for k in range(steps):
