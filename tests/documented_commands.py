@@ -30,6 +30,8 @@ ELSEWHERE = {
     "posflock sweep study.toml --scheduler": "test_sweep_cluster.py: tls://",
     "posflock sweep experiments/studies/noise.toml --scheduler": "test_sweep_cluster.py: tcp://",
 }
+#: Words that make a command do the same for fewer runs.
+LIGHTER = {"posflock reproduce": "--seeds 2", "posflock verify": "-n 2"}
 #: Exit codes that mean that something was found.
 FINDINGS = {"posflock lint": 1, "posflock verify": 1}
 
@@ -53,6 +55,12 @@ class Command:
     def elsewhere(self) -> str | None:
         """Which test runs it instead, if not the test of its page."""
         return next((by for start, by in ELSEWHERE.items() if self.words.startswith(start)), None)
+
+    @property
+    def light(self) -> str:
+        """The command, for as few runs as it takes to see that it works."""
+        fewer = [more for start, more in LIGHTER.items() if self.words.startswith(start)]
+        return " ".join([self.words, *fewer])
 
     @property
     def exit_codes(self) -> set[int]:

@@ -70,17 +70,17 @@ def test_every_page_with_a_fence_names_its_language():
 SHOWN = {"```sh", "```console", "```python", "```toml"}
 
 
-def run_page(page: Path, folder: Path, only: int | None = None) -> None:
+def run_page(page: Path, folder: Path) -> None:
     documented.supply(page, folder)
     copy_examples(folder / "experiments")
     write_named_files(page, folder)
     tools = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     environment = os.environ | {"PATH": tools, "MPLBACKEND": "agg"}
-    for command in documented.commands(page)[:only]:
+    for command in documented.commands(page):
         if command.elsewhere:
             continue
         done = subprocess.run(
-            ["bash", "-c", command.words], cwd=folder, env=environment,
+            ["bash", "-c", command.light], cwd=folder, env=environment,
             capture_output=True, text=True, check=False, encoding="utf-8",
         )  # fmt: skip
         assert done.returncode in command.exit_codes, f"{command.words}\n{done.stderr}"
