@@ -8,7 +8,7 @@ files as `files/` beside this module, put there when it is built.
 from pathlib import Path
 
 from posflock_robotarium.flocking.errors import OutputError, ParameterError
-from rps_compat.whole_files import written_together
+from rps_compat.whole_files import write_whole, written_together
 
 #: Where a wheel has them.
 _INSTALLED = Path(__file__).with_name("files")
@@ -71,6 +71,5 @@ def copy_examples(folder: Path) -> list[Path]:
             )
     with written_together(folder) as draft:
         for name, content in contents.items():
-            (draft / name).parent.mkdir(parents=True, exist_ok=True)
-            (draft / name).write_bytes(content)
+            write_whole(draft / name, content)
     return [folder / name for name in names]

@@ -15,7 +15,7 @@ from enum import Enum
 from pathlib import Path
 
 from posflock_robotarium.flocking.errors import OutputError, ParameterError
-from rps_compat.whole_files import written_together
+from rps_compat.whole_files import write_whole, written_together
 
 
 @dataclass(frozen=True)
@@ -151,7 +151,7 @@ def write_script(name: str, experiment: Experiment, folder: Path) -> list[Path]:
     with written_together(home) as draft:
         for file, template in files.items():
             text = templates.get_template(template).render(name=name, kind=experiment.kind)
-            (draft / file).write_text(text, encoding="utf-8")
+            write_whole(draft / file, text)
     return [home / file for file in files]
 
 
