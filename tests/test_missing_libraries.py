@@ -48,7 +48,7 @@ def test_a_solver_that_is_missing(solver, line, monkeypatch):
     with pytest.raises(SolverNotInstalledError, match=line):
         SingleIntegratorCertificate(solver=solver)
     certificate = SingleIntegratorCertificate()
-    velocity, info = certificate([[0.1, -0.1], [0.0, 0.0]], [[-0.1, 0.1], [0.0, 0.0]])
+    _, info = certificate([[0.1, -0.1], [0.0, 0.0]], [[-0.1, 0.1], [0.0, 0.0]])
     assert info.status == "optimal"
 
 
