@@ -30,6 +30,8 @@ ELSEWHERE = {
     "posflock sweep study.toml --scheduler": "test_sweep_cluster.py: tls://",
     "posflock sweep experiments/studies/noise.toml --scheduler": "test_sweep_cluster.py: tcp://",
 }
+#: Pages whose commands, with what they print, have a test of their own.
+PAGES_ELSEWHERE = {"own-question.md": "test_own_question_page.py"}
 #: Words that make a command do the same for fewer runs.
 LIGHTER = {"posflock reproduce": "--seeds 2", "posflock verify": "-n 2"}
 #: Exit codes that mean that something was found.

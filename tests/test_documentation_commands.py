@@ -53,7 +53,7 @@ def test_every_target_of_make_that_is_shown_is_one():
 
 
 def test_tests_that_run_commands_elsewhere_are_there():
-    for by in documented.ELSEWHERE.values():
+    for by in (*documented.ELSEWHERE.values(), *documented.PAGES_ELSEWHERE.values()):
         assert (ROOT / "tests" / by.partition(":")[0]).exists()
 
 
@@ -102,6 +102,10 @@ def shortened(study: str) -> str:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", WITH_COMMANDS, ids=lambda page: page.name)
+@pytest.mark.parametrize(
+    "page",
+    [page for page in WITH_COMMANDS if page.name not in documented.PAGES_ELSEWHERE],
+    ids=lambda page: page.name,
+)
 def test_commands_of_a_page_run_in_order(page, tmp_path):
     run_page(page, tmp_path)
