@@ -12,7 +12,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: demo test test-slow test-numpy1 test-portable coverage mutants lint bench bench-nine bench-rps bench-barriers bench-verify \
+.PHONY: demo test wheel test-slow test-numpy1 test-portable coverage mutants lint bench bench-nine bench-rps bench-barriers bench-verify \
 	bench-report bench-fuzz bench-faults bench-paper bench-machines bench-reality lock clean help
 .DEFAULT_GOAL := help
 
@@ -31,11 +31,18 @@ $(VENV)/.dev: setup.cfg constraints.txt | $(BIN)/python
 	$(BIN)/pip install -q -c constraints.txt -e '.[dev]'
 	@touch $@ $(VENV)/.runtime
 
+$(VENV)/.release: setup.cfg constraints.txt | $(BIN)/python
+	$(BIN)/pip install -q -c constraints.txt -e '.[release]'
+	@touch $@ $(VENV)/.runtime
+
 demo: $(VENV)/.runtime  ## the nine-robot experiment on this machine: results/ holds log, figures, summary
 	$(BIN)/python experiments/robotarium_9bot.py --out results
 
 test: $(VENV)/.dev  ## the test suite
 	$(BIN)/python -m pytest -n 2 --dist loadfile $(PYTEST_ARGS)
+
+wheel: $(VENV)/.release  ## wheel and source archive in dist/, checked, and tried in new environments
+	$(BIN)/python .ci/wheel.py $(WHEEL_ARGS)
 
 test-slow: $(VENV)/.dev  ## the tests that take minutes
 	$(BIN)/python -m pytest -m slow $(PYTEST_ARGS)
@@ -108,7 +115,7 @@ bench-reality: $(VENV)/.dev  ## predictions against real runs: REAL=folder of fe
 	$(BIN)/python benchmarks/reality.py $(REAL)
 
 lock:  ## renew constraints.txt from the ranges in setup.cfg (needs uv)
-	uv pip compile --universal --python-version 3.10 --extra dev -c .ci/testbed.txt --no-annotate --no-header -q setup.cfg -o constraints.txt
+	uv pip compile --universal --python-version 3.10 --extra dev --extra release -c .ci/testbed.txt --no-annotate --no-header -q setup.cfg -o constraints.txt
 
 clean:  ## remove environments and results
-	rm -rf $(VENV) .venv-numpy1 .venv-testbed .venv-newest results build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .coverage .coverage.*
+	rm -rf $(VENV) .venv-numpy1 .venv-testbed .venv-newest results build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .coverage .coverage.*

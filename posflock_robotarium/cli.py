@@ -5,16 +5,19 @@ import sys
 import typer
 
 from posflock_robotarium import __version__
-from posflock_robotarium.commands import bundle, calibrate, paper, report, run, sweep, verify
+from posflock_robotarium.commands import bundle, calibrate, paper, report, run, start, sweep, verify
+from posflock_robotarium.commands.argument_order import RunPage
+from posflock_robotarium.commands.help_pages import CommandPage, GroupPage
+from posflock_robotarium.commands.streams import as_a_shell_expects
 from posflock_robotarium.commands.terminal import say
 from posflock_robotarium.flocking.errors import PosflockError
 
 app = typer.Typer(
     name="posflock",
     help="Simulate, verify, deploy and report Robotarium experiments.",
+    cls=GroupPage,
     no_args_is_help=True,
-    add_completion=False,
-    rich_markup_mode="rich",
+    rich_markup_mode=None,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
@@ -29,7 +32,7 @@ def _print_version(asked: bool) -> None:
 @app.callback()
 def _posflock(
     version: bool = typer.Option(
-        False, "--version", callback=_print_version, is_eager=True, help="Print the version."
+        False, "--version", "-V", callback=_print_version, is_eager=True, help="Print the version."
     ),
 ) -> None:
     """Simulate, verify, deploy and report Robotarium experiments."""
@@ -45,23 +48,27 @@ _WRITE, _SUBMIT, _ANALYSE, _STUDY = (
     "Analyse what came back",
     "Study",
 )
-app.command(rich_help_panel=_WRITE, context_settings=SCRIPT_ARGUMENTS)(run.run)
-app.command(rich_help_panel=_WRITE)(run.lint)
-app.command(rich_help_panel=_SUBMIT)(verify.verify)
-app.command(rich_help_panel=_SUBMIT)(bundle.bundle)
-app.command(rich_help_panel=_SUBMIT)(bundle.rehearse)
-app.command(rich_help_panel=_SUBMIT)(verify.profile)
-for _command in (report.report, report.compare, report.replay, report.convert):
-    app.command(rich_help_panel=_ANALYSE)(_command)
-app.command(rich_help_panel=_ANALYSE)(calibrate.calibrate)
-app.command(rich_help_panel=_STUDY)(paper.reproduce)
-app.command(rich_help_panel=_STUDY)(sweep.sweep)
+_COMMANDS = {
+    _WRITE: (start.demo, start.examples, start.new, run.run, run.lint),
+    _SUBMIT: (verify.verify, bundle.bundle, bundle.rehearse, verify.profile),
+    _ANALYSE: (report.report, report.compare, report.replay, report.convert, calibrate.calibrate),
+    _STUDY: (paper.reproduce, sweep.sweep),
+}
+for _heading, _commands in _COMMANDS.items():
+    for _command in _commands:
+        _own = _command is run.run
+        app.command(
+            cls=RunPage if _own else CommandPage,
+            rich_help_panel=_heading,
+            context_settings=SCRIPT_ARGUMENTS if _own else None,
+        )(_command)
 
 
 def main() -> None:
     """Run the command line; an error the user can mend is one plain line and exit code 2."""
-    try:
-        app()
-    except PosflockError as error:
-        say(f"posflock: {error}", err=True)
-        sys.exit(2)
+    with as_a_shell_expects():
+        try:
+            app()
+        except PosflockError as error:
+            say(f"posflock: {error}", err=True)
+            sys.exit(2)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import io
 import re
+import select
 import sys
 from collections.abc import Iterator
 
@@ -43,12 +44,24 @@ def showable_output() -> Iterator[None]:
     """
     changed = []
     for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper) and stream.errors == "strict":
+        # "surrogateescape" is what Python chooses in the C locale: it fails as "strict" does.
+        if isinstance(stream, io.TextIOWrapper) and stream.errors in ("strict", "surrogateescape"):
+            changed.append((stream, stream.errors))
             stream.reconfigure(errors="backslashreplace")
-            changed.append(stream)
     try:
         yield
     finally:
-        for stream in changed:
+        for stream, errors in changed:
             with contextlib.suppress(ValueError):  # it was closed
-                stream.reconfigure(errors="strict")
+                stream.reconfigure(errors=errors)
+
+
+def reader_is_gone() -> bool:
+    """Whether standard output is a pipe that nobody reads any more."""
+    try:
+        number = sys.stdout.fileno()
+        watched = select.poll()
+    except (AttributeError, OSError, ValueError):  # no file, or no such call, as on Windows
+        return False
+    watched.register(number, select.POLLOUT)
+    return any(found & select.POLLERR for _, found in watched.poll(0))

@@ -40,8 +40,8 @@ def atomic_write(path: Path) -> Iterator[Path]:
     Parameters
     ----------
     path : Path
-        The file's name, in a folder that is there. What is yielded has the same ending, by which
-        libraries choose a format.
+        The file's name, whose folder is made where there is none. What is yielded has the same
+        ending, by which libraries choose a format.
 
     Raises
     ------
@@ -64,6 +64,7 @@ def atomic_write(path: Path) -> Iterator[Path]:
         if place.exists() and not place.is_file():
             yield place
             return
+        place.parent.mkdir(parents=True, exist_ok=True)
         draft = _draft_in(place.parent, place.suffix)
         os.close(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, _mode_for(place)))
         try:

@@ -332,7 +332,7 @@ def test_the_command_sweeps_draws_and_resumes(tmp_path):
         '[[figures]]\nx = "model"\ny = "speed_end"\n'
     )
     out = tmp_path / "out"
-    command = ["sweep", str(path), "-o", str(out), "--workers", "1", "--json"]
+    command = ["sweep", str(path), "-o", str(out), "--jobs", "1", "--json"]
     first = CliRunner().invoke(app, command, catch_exceptions=False)
     assert json.loads(first.stdout)["computed"] == 12
     tables = (out / "results.csv").read_bytes()

@@ -119,7 +119,7 @@ def test_the_command_goes_on_after_a_worker_died(tmp_path):
         str(tmp_path / "deadly.toml"),
         "-o",
         str(tmp_path / "out"),
-        "--workers",
+        "--jobs",
         "1",
     ]
     done = CliRunner().invoke(app, [*command, "--json"], catch_exceptions=False)

@@ -269,7 +269,7 @@ def test_a_law_cannot_take_a_parameter_that_is_there():
 def test_the_command_says_what_it_left_out(own, monkeypatch):
     out = own.parent / "out"
     own.write_text(own.read_text() + '[[figures]]\nx = "persistence"\ny = "gamma_end"\n')
-    command = ["sweep", str(own), "-o", str(out), "--workers", "1"]
+    command = ["sweep", str(own), "-o", str(out), "--jobs", "1"]
     first = CliRunner().invoke(app, command, catch_exceptions=False)
     assert "4 runs computed, 0 found" in first.stdout
     (segment,) = (out / "store").glob("rows-*.jsonl")

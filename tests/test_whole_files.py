@@ -120,6 +120,11 @@ def test_drafts_of_processes_that_run_stay(tmp_path):
         assert draft.exists()
 
 
+def test_a_folder_that_is_missing_is_made(tmp_path):
+    write_whole(tmp_path / "new" / "er" / "a", "1")
+    assert (tmp_path / "new" / "er" / "a").read_text() == "1"
+
+
 def test_an_error_names_the_file_as_it_would_have_been_called(tmp_path):
     with pytest.raises(OutputError, match=rf"^{tmp_path}/missing/a: cannot be written"):
         half_written(tmp_path / "b", OutputError("unused"), named_wrongly)
@@ -128,6 +133,7 @@ def test_an_error_names_the_file_as_it_would_have_been_called(tmp_path):
 @contextmanager
 def named_wrongly(folder):
     with written_together(folder) as draft:
+        (draft / "missing").touch()  # a file, where the folder would have to be
         write_whole(draft / "missing" / "a", "text")
         yield draft
 
@@ -170,6 +176,7 @@ def test_a_folder_that_a_kill_caught_between_two_names_comes_back(tmp_path):
 
 #: Files whose writes are not whole or absent, and why they need not be.
 OTHERWISE = {
+    "posflock_robotarium/commands/help_pages.py": "its `write` goes to a page of help, no file",
     "rps_compat/whole_files.py": "it is the way",
     "posflock_robotarium/flocking/row_file.py": "each row outlives a kill; goes to the testbed",
     "posflock_robotarium/flocking/pose_log.py": "its own draft and move; goes to the testbed",

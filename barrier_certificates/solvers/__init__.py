@@ -125,10 +125,10 @@ def check(name: str) -> None:
         raise ParameterError(f"solver is {name!r}; expected 'auto' or one of {', '.join(NAMES)}")
     if not installed(name):
         solver = _SOLVERS[name]
-        extra = f"[{solver.extra}]" if solver.extra else ""
+        # What comes with the default install is missing where that was made without it.
+        what = f"'posflock-robotarium[{solver.extra}]'" if solver.extra else solver.needs
         raise SolverNotInstalledError(
-            f"solver {name!r} needs {solver.needs}, which is not installed: "
-            f"pip install 'posflock-robotarium{extra}'"
+            f"solver {name!r} needs {solver.needs}, which is not installed: pip install {what}"
         )
 
 

@@ -22,7 +22,7 @@ def calibrate(
     out: options.FittedProfile = Path("calibrated.toml"),
     name: options.ProfileName = "calibrated",
     pooled: options.Pooled = False,
-    resimulate: options.ResimulatedLog = None,
+    resimulated: options.ResimulatedLog = None,
     dt: options.MeanStep = None,
     step_times: options.StepTimes = None,
     layout: options.Layout = None,
@@ -58,7 +58,7 @@ def calibrate(
 
         posflock calibrate back/nine_robots.npy --dt 0.0352 -o lab.toml
 
-        posflock calibrate back/nine_robots.npy -o lab.toml --resimulate again.npy
+        posflock calibrate back/nine_robots.npy -o lab.toml --resimulated again.npy
 
         posflock compare back/nine_robots.npy again.npy
 
@@ -86,7 +86,7 @@ def calibrate(
             collision_diameter,
             fix_swaps,
         )
-        _calibrate_log(log, out, name, pooled, resimulate, reading, step_times, json_only)
+        _calibrate_log(log, out, name, pooled, resimulated, reading, step_times, json_only)
 
 
 def _calibrate_log(

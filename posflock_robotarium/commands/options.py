@@ -23,7 +23,9 @@ TestbedProfile = Annotated[
         "the generation's robots, gritsbot_x for 1 and gternal for 2.",
     ),
 ]
-Workers = Annotated[int | None, typer.Option(min=1, help="Processes; by default one a processor.")]
+Processes = Annotated[
+    int | None, typer.Option("--jobs", min=1, help="Processes; by default one a processor.")
+]
 
 # --- Logs and how to read them ------------------------------------------------------------------
 
@@ -170,6 +172,8 @@ Format = Annotated[
         "--to", help="npy (a pose log), mat, csv, npz or mcap (for Foxglove).", show_default=False
     ),
 ]
+FilmAsJson = Annotated[bool, typer.Option("--json", help="Print what was filmed as JSON.")]
+ProfileAsJson = Annotated[bool, typer.Option("--json", help="Print it as JSON.")]
 ConvertedFile = Annotated[
     Path | None,
     typer.Option("-o", "--out", help="The file; beside the log by default.", show_default=False),
@@ -229,11 +233,29 @@ Pooled = Annotated[
 ResimulatedLog = Annotated[
     Path | None,
     typer.Option(
-        "--resimulate",
+        "--resimulated",
         help="Also write a log here: the same commands, simulated with the profile.",
     ),
 ]
 EstimatesAsJson = Annotated[bool, typer.Option("--json", help="Print all estimates as JSON.")]
+
+# --- First steps --------------------------------------------------------------------------------
+
+DemoFolder = Annotated[Path, typer.Option("-o", "--out", help="Folder for what the run leaves.")]
+StartSeed = Annotated[int, typer.Option(min=0, help="Of the starting poses.")]
+DemoSeconds = Annotated[float, typer.Option("--duration", "-d", help="Seconds of the run.")]
+ExamplesFolder = Annotated[Path, typer.Option("-o", "--out", help="Folder for the copies.")]
+NewName = Annotated[str, typer.Argument(help="Of the script, as Python has names: my_flock.")]
+NewKind = Annotated[
+    str,
+    typer.Option(metavar="KIND", help="flocking, formation, coverage or swarm-swap."),
+]
+NewFolder = Annotated[
+    Path,
+    typer.Option(
+        "-o", "--out", help="Where its folder is made; here by default.", show_default=False
+    ),
+]
 
 # --- Running a script ---------------------------------------------------------------------------
 
@@ -287,7 +309,7 @@ Declared = Annotated[
 TestbedGeneration = Annotated[
     int, typer.Option(help="Generation of the API on the testbed, 1 or 2.")
 ]
-FirstSeed = Annotated[int, typer.Option(help="First seed of the trials.")]
+FirstSeed = Annotated[int, typer.Option(min=0, help="First seed; the others count up from it.")]
 VerifyFolder = Annotated[
     Path | None, typer.Option("--out", "-o", help="Folder for verify.html and verify.json.")
 ]

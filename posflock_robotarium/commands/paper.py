@@ -11,11 +11,11 @@ from posflock_robotarium.commands.terminal import say
 
 def reproduce(
     seeds: Annotated[int, typer.Option(min=2, help="Runs of each model.")] = 20,
-    first_seed: Annotated[int, typer.Option(min=0, help="Seeds count up from here.")] = 0,
+    seed: options.FirstSeed = 0,
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for all files.")] = Path(
         "results/paper"
     ),
-    workers: options.Workers = None,
+    jobs: options.Processes = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print claims.json instead.")] = False,
 ) -> None:
     """Recompute every figure, table and checkable sentence of the paper, and say which hold.
@@ -25,7 +25,7 @@ def reproduce(
 
     [bold]Examples[/bold]
 
-        posflock reproduce --seeds 40 --first-seed 100 -o results/other-seeds
+        posflock reproduce --seeds 40 --seed 100 -o results/other-seeds
     """
     import json
 
@@ -33,7 +33,7 @@ def reproduce(
     from posflock_robotarium.paper.reproduction import reproduce as recompute
 
     with counted("reproducing the paper") as progress:
-        found = recompute(out, seeds, first_seed=first_seed, workers=workers, progress=progress)
+        found = recompute(out, seeds, first_seed=seed, workers=jobs, progress=progress)
     if as_json:
         claims = [judgement.as_dict() for judgement in found.judgements]
         say(json.dumps(claims, indent=2, ensure_ascii=False))

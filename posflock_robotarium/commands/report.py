@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from posflock_robotarium.alignment.comparison import Comparison
-    from posflock_robotarium.report import Analysis, AnalysisOptions, ReadOptions
+    from posflock_robotarium.report import Analysis, AnalysisOptions, ReadOptions, Run
 
 
 def report(
@@ -212,6 +212,7 @@ def replay(
     arena: options.Arena = None,
     collision_diameter: options.CollisionDiameter = None,
     fix_swaps: options.FixSwaps = False,
+    json: options.FilmAsJson = False,
 ) -> None:
     """Film a run from above.
 
@@ -247,7 +248,7 @@ def replay(
     )
     with progress("filming") as told:
         write_video(recording, video, fps=fps, speed=speed, robot=recording.robot, progress=told)
-    say(f"wrote {video}")
+    _print_written(log, video, recording, json)
 
 
 def convert(
@@ -267,6 +268,7 @@ def convert(
     arena: options.Arena = None,
     collision_diameter: options.CollisionDiameter = None,
     fix_swaps: options.FixSwaps = False,
+    json: options.WrittenAsJson = False,
 ) -> None:
     """Write a log in another tool's format.
 
@@ -303,7 +305,21 @@ def convert(
         collision_diameter,
         fix_swaps,
     )
-    say(f"wrote {write(read(log, reading), target)}")
+    recording = read(log, reading)
+    _print_written(log, write(recording, target), recording, json)
+
+
+def _print_written(log: Path, path: Path, recording: "Run", as_json: bool) -> None:
+    """Tell the file that a log became; as JSON, with what is in it."""
+    if not as_json:
+        say(f"wrote {path}")
+        return
+    import json
+
+    steps, _, robots = recording.poses.shape
+    told = {"log": str(log), "file": str(path), "bytes": path.stat().st_size}
+    seconds = float(recording.t[-1] - recording.t[0]) if steps else None
+    say(json.dumps(told | {"rows": steps, "robots": robots, "seconds": seconds}, indent=1))
 
 
 def _judged(

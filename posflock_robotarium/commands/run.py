@@ -1,6 +1,5 @@
 """``posflock run`` and ``posflock lint``: any Robotarium script, as it is."""
 
-import re
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -9,6 +8,9 @@ import typer
 
 from posflock_robotarium.commands import options
 from posflock_robotarium.commands.terminal import say
+
+#: The exit code of programs that do not know an option, by argparse and by click.
+USAGE = 2
 
 
 def run(
@@ -57,26 +59,20 @@ def run(
         recorder=open_pose_log,
         tell=lambda note: say(f"{script}: {note}", err=True),
     )
-    if misplaced := _misplaced(context, script):
+    code = run_and_tell(script, context.args, settings, as_json)
+    if code == USAGE and (option := _misplaced(context)):
         say(
-            f"{script}: {misplaced} stands after the script's name and so goes to the script, "
-            "which reads no arguments; options of posflock run stand before it",
+            f"posflock: {option} stands after {script} and so went to the script; put posflock's"
+            f" options before it: posflock run {option} … {script}",
             err=True,
         )
-    code = run_and_tell(script, context.args, settings, as_json)
     raise typer.Exit(code)
 
 
-def _misplaced(context: typer.Context, script: Path) -> str | None:
-    """Return an option of this command among the script's arguments, where it reads none."""
-    try:
-        source = script.read_text(encoding="utf-8", errors="replace")
-    except OSError:
-        return None
-    if re.search(r"argv|argparse|click|typer|docopt|optparse|getopt|fire|absl", source):
-        return None
-    mine = {option for parameter in context.command.params for option in parameter.opts}
-    return next((one for one in context.args if one.partition("=")[0] in mine), None)
+def _misplaced(context: typer.Context) -> str | None:
+    """Return the first of the script's arguments that is an option of this command."""
+    own = {name for p in context.command.params for name in (*p.opts, *p.secondary_opts)}
+    return next((word for word in context.args if word.partition("=")[0] in own), None)
 
 
 def _print_script(content: bytes, encoding: str) -> None:

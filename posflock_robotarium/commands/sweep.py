@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def sweep(
     study: options.StudyFile,
     out: options.StudyFolder = None,
-    workers: options.Workers = None,
+    jobs: options.Processes = None,
     retry_failed: options.RetryFailed = False,
     scheduler: options.Scheduler = None,
     tls_ca: options.ClusterAuthority = None,
@@ -31,10 +31,11 @@ def sweep(
     Started again, a sweep computes only what is missing, whatever ended it; all of it, where
     the code behind the experiment has changed.
 
-    Writes results.csv, results.parquet, summary.csv and figures/ of what is finished, whatever
-    ends it, and study.json, which says what they are of: those of another study in the folder go
-    first. The finished runs are in store/. Exit code 0; 1 where runs failed, whose errors are in
-    the tables; 2 where the study, its store or its cluster cannot be used.
+    Writes results.csv, summary.csv and figures/ of what is finished, whatever ends it, with
+    pyarrow (extra "parquet") results.parquet, and study.json, which says what they are of: those
+    of another study in the folder go first. The finished runs are in store/. Exit code 0; 1 where
+    runs failed, whose errors are in the tables; 2 where the study, its store or its cluster cannot
+    be used.
 
     [bold]Examples[/bold]
 
@@ -46,14 +47,20 @@ def sweep(
     from posflock_robotarium.sweep.cluster import Certificates
     from posflock_robotarium.sweep.execution import execute
     from posflock_robotarium.sweep.listing import forget_other_study, list_files
-    from posflock_robotarium.sweep.results import finished, of_other_code, write_tables
+    from posflock_robotarium.sweep.results import (
+        PARQUET,
+        finished,
+        of_other_code,
+        parquet_is_installed,
+        write_tables,
+    )
     from posflock_robotarium.sweep.store import Store
     from posflock_robotarium.sweep.study import read_study
     from posflock_robotarium.sweep.study_figures import draw_study
 
     asked = read_study(study)
     folder = out or Path("results") / study.stem
-    executors = _executors(workers, scheduler, Certificates.of(tls_ca, tls_cert, tls_key))
+    executors = _executors(jobs, scheduler, Certificates.of(tls_ca, tls_cert, tls_key))
     with Store(folder / "store") as store:
         forget_other_study(asked, folder)
         there, stale = len(finished(asked, store)), of_other_code(asked, store)
@@ -72,12 +79,14 @@ def sweep(
             paths += draw_study(asked, rows, folder / "figures")
             paths.append(list_files(asked, folder, paths))
     done = {"computed": computed, "found": there, "other_code": stale, "torn": store.torn}
+    if not parquet_is_installed():
+        say(f"no {PARQUET}: it needs pip install 'posflock-robotarium[parquet]'", err=True)
     failed = _print(done, rows, folder, paths, as_json)
     raise typer.Exit(1 if failed else 0)
 
 
 def _executors(
-    workers: int | None, scheduler: str | None, certificates: "Certificates | None"
+    jobs: int | None, scheduler: str | None, certificates: "Certificates | None"
 ) -> "AbstractContextManager[Executor]":
     """Return what computes the runs: a cluster, or processes of this machine."""
     from contextlib import nullcontext
@@ -89,7 +98,7 @@ def _executors(
         return on_cluster(scheduler, certificates=certificates)
     if certificates is not None:
         raise ClusterError("certificates are for a cluster: name its --scheduler tls://…")
-    return nullcontext(in_processes(workers))
+    return nullcontext(in_processes(jobs))
 
 
 def _print(

@@ -151,6 +151,7 @@ def profile(
     name: Annotated[
         str, typer.Argument(help="ideal, gritsbot_x, gternal or harsh.")
     ] = "gritsbot_x",
+    json: options.ProfileAsJson = False,
 ) -> None:
     """Print a realism profile as TOML, to copy and edit.
 
@@ -160,7 +161,12 @@ def profile(
 
         posflock profile gritsbot_x > lab.toml
     """
-    from rps_compat.profiles import load_profile, profile_text
+    from rps_compat.profiles import load_profile, profile_text, profile_to_dict
 
-    load_profile(name)
+    found = load_profile(name)
+    if json:
+        import json as writer
+
+        say(writer.dumps(profile_to_dict(found), indent=1, ensure_ascii=False))
+        return
     say(profile_text(name), end="")

@@ -12,6 +12,7 @@ import io
 import json
 import math
 from collections.abc import Sequence
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +30,8 @@ CONFIDENCE = 0.95
 _RESAMPLES = 2000
 #: Columns of a summary behind those of the grid.
 _OF_SUMMARY = ("outcome", "runs", "median", "low", "high", "q1", "q3")
+#: The table for programs, beside the one that everybody opens.
+PARQUET = "results.parquet"
 #: In a row of the store, but not the run's result.
 _OF_MACHINE = ("seconds",)
 
@@ -159,7 +162,10 @@ def interval(values: Floats) -> tuple[float, float]:
 
 
 def write_tables(study: Study, store: Store, folder: Path) -> list[Path]:
-    """Write ``results.csv``, ``results.parquet`` and ``summary.csv``; return the paths.
+    """Write ``results.csv`` and ``summary.csv``; return the paths.
+
+    With pyarrow, ``results.parquet`` too. Without it, one of an earlier call is removed: it would
+    not be of these runs.
 
     Where no run is finished, there is nothing to write, and no path.
 
@@ -177,21 +183,29 @@ def write_tables(study: Study, store: Store, folder: Path) -> list[Path]:
     OutputError
         Where the folder cannot be written.
     """
-    import pyarrow as pa
-    from pyarrow import parquet
-
     rows = _of_one_form(finished(study, store))
     if not rows:
         return []
-    paths = [folder / name for name in ("results.csv", "summary.csv", "results.parquet")]
-    table = pa.Table.from_pylist(rows)
-    about = {b"posflock study": json.dumps(study.said, sort_keys=True).encode()}
+    paths = [folder / name for name in ("results.csv", "summary.csv", PARQUET)]
     write_whole(paths[0], _as_csv(rows, list(rows[0])))
     columns = [*study.grid, *_OF_SUMMARY]
     write_whole(paths[1], _as_csv(summary(study, finished(study, store)), columns))
+    if not parquet_is_installed():
+        paths.pop().unlink(missing_ok=True)
+        return paths
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    table = pa.Table.from_pylist(rows)
+    about = {b"posflock study": json.dumps(study.said, sort_keys=True).encode()}
     with atomic_write(paths[2]) as draft:
         parquet.write_table(table.replace_schema_metadata(about), draft)
     return paths
+
+
+def parquet_is_installed() -> bool:
+    """Whether the library that writes Parquet is there; the extra ``parquet`` brings it."""
+    return find_spec("pyarrow") is not None
 
 
 def _of_one_form(rows: Sequence[Row]) -> list[Row]:

@@ -14,7 +14,17 @@ OURS = ("barrier_certificates", "rps_compat", "posflock_robotarium")
 #: The folder they lie in.
 HOME = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 #: What we use where it is installed.
-OPTIONAL = ("cvxopt", "daqp", "distributed", "imageio_ffmpeg", "mcap", "piqp", "quadprog")
+OPTIONAL = (
+    "cvxopt",
+    "daqp",
+    "distributed",
+    "imageio_ffmpeg",
+    "mcap",
+    "piqp",
+    "pyarrow",
+    "quadprog",
+    "rosbags",
+)
 _STANDARD = os.path.dirname(os.path.abspath(os.__file__))
 _ENVIRONMENT = (_STANDARD, *(os.path.join(HOME, name) for name in OURS))
 _INSTALLED = {"site-packages", "dist-packages"}

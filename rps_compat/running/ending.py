@@ -32,6 +32,7 @@ from rps_compat.own_imports.whose import environments_module
 from rps_compat.running.failures import failure_of
 from rps_compat.running.outcome import Ended, Failure
 from rps_compat.running.schedule import Enough
+from rps_compat.terminal import reader_is_gone
 
 #: Exit codes of a run that the script does not end itself, the first four as shells have them.
 EXIT_CODES: dict[Ended, int] = {
@@ -138,7 +139,7 @@ def end_of(
 def _failed(error: BaseException, script: Path) -> End:
     if isinstance(error, OutputError):  # the disk's fault, at whatever line of the script
         print(f"{script.name}: {error}", file=sys.stderr)
-    else:
+    elif not (isinstance(error, BrokenPipeError) and reader_is_gone()):
         _print_traceback(error, script)
     ended = Ended.OUT_OF_MEMORY if isinstance(error, MemoryError) else Ended.FAILED
     reason = f"{type(error).__name__}: {error}"

@@ -36,10 +36,12 @@ def read_matlab73(path: Path, bounds: Bounds = BOUNDS) -> dict[str, Tree]:
     Raises
     ------
     LogError
-        Where the file is damaged, or would unpack to more.
+        Where the file is damaged, or would unpack to more, or h5py is not installed.
     """
-    import h5py
-
+    try:
+        import h5py
+    except ImportError as error:
+        raise LogError(f"{path}: reading MATLAB 7.3 needs h5py: pip install h5py") from error
     try:
         with h5py.File(path, "r") as file:
             return _Walk(file, bounds, str(path)).group(file, 0)

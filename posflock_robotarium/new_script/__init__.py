@@ -1,0 +1,180 @@
+"""A script to begin with: complete, ready to submit, with the metric that it is judged by.
+
+What a newcomer needs first is an experiment that works and that he can change a line of. Each kind
+is a template that fills a folder: the script, which logs itself and keeps its robots apart; a file
+with its metric, which reads any log of it, from here or from the testbed; and a page that says what
+to do with them.
+"""
+
+from __future__ import annotations
+
+import keyword
+import re
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+
+from posflock_robotarium.flocking.errors import OutputError, ParameterError
+from rps_compat.whole_files import write_whole, written_together
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What a kind of experiment tells of itself.
+
+    Attributes
+    ----------
+    summary : str
+        One sentence, without its full stop.
+    robots : int
+        How many take part.
+    duration : float
+        Seconds that it takes.
+    metric, unit, meaning : str
+        What it is judged by, in what, and what that means.
+    shared : str
+        What the script takes from the metric's file.
+    given : str
+        What its law is given beside the poses.
+    law : str
+        Where its law stands, in words.
+    """
+
+    summary: str
+    robots: int
+    duration: float
+    metric: str
+    unit: str
+    meaning: str
+    shared: str = "METRIC, UNIT, metric"
+    given: str = ""
+    law: str = "`desired`, at the bottom of the script"
+
+
+class Experiment(str, Enum):
+    """The kinds of experiment that there are."""
+
+    FLOCKING = "flocking"
+    FORMATION = "formation"
+    COVERAGE = "coverage"
+    SWARM_SWAP = "swarm-swap"
+
+    @property
+    def kind(self) -> Kind:
+        """What it tells of itself."""
+        return _KINDS[self]
+
+
+_KINDS = {
+    Experiment.FLOCKING: Kind(
+        "Flocking: six robots align without measuring any velocity.",
+        6,
+        90.0,
+        "order parameter",
+        "",
+        "The length of the mean heading: 1 where all look one way, 0 where they cancel.",
+        law="`LAW` with `Flock`; `posflock_robotarium.flocking.law` has it as pure functions",
+    ),
+    Experiment.FORMATION: Kind(
+        "Formation: six robots take their places in a hexagon.",
+        6,
+        60.0,
+        "formation error",
+        "m",
+        "The mean distance of a robot from its place in the formation, wherever that stands.",
+        shared="METRIC, PLACES, UNIT, metric",
+        given="places",
+    ),
+    Experiment.COVERAGE: Kind(
+        "Coverage: six robots spread over the arena.",
+        6,
+        60.0,
+        "distance to the nearest robot",
+        "m",
+        "The mean over the arena of how far the nearest robot is.",
+        shared="GRID, METRIC, UNIT, metric, nearest_robot",
+        given="weight",
+    ),
+    Experiment.SWARM_SWAP: Kind(
+        "Swap: six robots on a circle change places with who is opposite.",
+        6,
+        90.0,
+        "distance to the goal",
+        "m",
+        "The mean distance of a robot from where it is to go.",
+        shared="GOALS, METRIC, UNIT, metric",
+        given="GOALS",
+    ),
+}
+
+
+def write_script(name: str, experiment: Experiment, folder: Path) -> list[Path]:
+    """Write a new experiment into a folder of its own; return the files, the script first.
+
+    Parameters
+    ----------
+    name : str
+        Of the script, without an ending; a name as Python has them.
+    experiment : Experiment
+        Which kind.
+    folder : Path
+        Where the folder, called `name`, is made.
+
+    Raises
+    ------
+    ParameterError
+        Where the name cannot be that of a script on the testbed.
+    OutputError
+        Where the folder is there already and not empty, or cannot be written.
+    """
+    require_script_name(name)
+    home = folder / name
+    if home.exists() and (not home.is_dir() or any(home.iterdir())):
+        raise OutputError(
+            f"{home} is there already; choose another name, or another folder with -o"
+        )
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    templates = Environment(  # no page: a script, in which < is <
+        loader=PackageLoader("posflock_robotarium.new_script", "assets"),
+        undefined=StrictUndefined,
+        keep_trailing_newline=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        autoescape=False,
+    )
+    files = {
+        f"{name}.py": f"{experiment.value}.py.j2",
+        f"{name}_metric.py": f"{experiment.value}_metric.py.j2",
+        "README.md": "README.md.j2",
+    }
+    with written_together(home) as draft:
+        for file, template in files.items():
+            text = templates.get_template(template).render(name=name, kind=experiment.kind)
+            write_whole(draft / file, text)
+    return [home / file for file in files]
+
+
+def require_script_name(name: str) -> None:
+    """Refuse a name that a script on the testbed cannot have.
+
+    Parameters
+    ----------
+    name : str
+        Without an ending.
+
+    Raises
+    ------
+    ParameterError
+        Naming the reason.
+    """
+    from rps_compat.scripts.libraries import shadowed_by
+
+    expected = "expected a name as Python has them, such as my_flock"
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or keyword.iskeyword(name):
+        raise ParameterError(f"{name!r} cannot be a script's name: {expected}")
+    if name.lower() == "main":
+        raise ParameterError("main.py is what the testbed calls every script: choose another name")
+    hidden = shadowed_by(name)
+    if hidden is not None:
+        raise ParameterError(f"{name}.py would hide {hidden}: choose another name")
