@@ -5,7 +5,17 @@ import sys
 import typer
 
 from posflock_robotarium import __version__
-from posflock_robotarium.commands import bundle, calibrate, paper, report, run, start, sweep, verify
+from posflock_robotarium.commands import (
+    bundle,
+    calibrate,
+    convert,
+    paper,
+    report,
+    run,
+    start,
+    sweep,
+    verify,
+)
 from posflock_robotarium.commands.argument_order import RunPage
 from posflock_robotarium.commands.help_pages import CommandPage, GroupPage
 from posflock_robotarium.commands.streams import as_a_shell_expects
@@ -51,7 +61,7 @@ _WRITE, _SUBMIT, _ANALYSE, _STUDY = (
 _COMMANDS = {
     _WRITE: (start.demo, start.examples, start.new, run.run, run.lint),
     _SUBMIT: (verify.verify, bundle.bundle, bundle.rehearse, verify.profile),
-    _ANALYSE: (report.report, report.compare, report.replay, report.convert, calibrate.calibrate),
+    _ANALYSE: (report.report, report.compare, convert.replay, convert.convert, calibrate.calibrate),
     _STUDY: (paper.reproduce, sweep.sweep),
 }
 for _heading, _commands in _COMMANDS.items():
