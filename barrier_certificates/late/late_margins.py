@@ -176,7 +176,8 @@ def margins_of(robots: LateRobots, limits: Limits) -> LateMargins:
     hold = max(robots.longest_step, dt)
     flight = robots.dead_time[1] + lag
     timing = half(robots.dead_time) + half(robots.lag)
-    unseen = 0.0 if robots.told else min(hold - dt, flight)
+    # Who is told of long steps still does not know within which part of one a robot braked.
+    unseen = min(hold - dt, dt if robots.told else flight)
     reach = d + speed * flight  # what an error of heading moves
 
     turn_error = half(robots.turn_gain) * limits.turn_rate * flight
@@ -192,13 +193,13 @@ def margins_of(robots: LateRobots, limits: Limits) -> LateMargins:
         half(robots.speed_gain) * limits.speed
         + uneven * d * limits.turn_rate
         + speed * rate * lag  # ½ by the arc on which speeds decay, ½ by what turning adds
-        + (rest_heading + 0.5 * rate * dt) * top_speed
+        + (rest_heading + 0.5 * rate * hold) * top_speed
         + drift
     )
     walk = math.sqrt(dt * (flight + dt))
     turned = robots.turn_bias * (flight + dt) + robots.turn_noise * walk
     skew, weakest, strongest = _skew(robots, sideways / d)
-    skew += rest_heading + 0.5 * rate * lag + rate * dt
+    skew += rest_heading + (0.5 + sideways / d) * rate * lag + rate * hold
     if not (weakest > 0.0 and skew < _WIDEST):
         raise ParameterError(
             f"with a lag of {lag:g} s and {speed:.3g} m/s a turn may move the stop point of a robot"
