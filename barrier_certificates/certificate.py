@@ -186,6 +186,10 @@ class Certificate(ABC):
         """Return the rows to be kept, given those of the row book for a scene."""
         return rows
 
+    def _projector(self) -> Projector:
+        """Return who finds the nearest velocities."""
+        return Projector(self.solver, self.on_infeasible, self.options)
+
     def _half_radius(self, margin: float | None) -> float:
         """Return a margin, by default half the safety radius, m."""
         return 0.5 * self.safety_radius if margin is None else margin
@@ -216,7 +220,7 @@ class Certificate(ABC):
             RowBook(families, pairs, top_speed),
             walls,
             obstacles,
-            Projector(self.solver, self.on_infeasible, self.options),
+            self._projector(),
             None if deadlock is None else DeadlockMonitor(deadlock),
         )
 

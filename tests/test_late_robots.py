@@ -238,6 +238,20 @@ def test_too_close_at_the_start_stops_or_parts_but_never_approaches():
     assert info.clearance > -0.1
 
 
+def test_who_is_wedged_waits_and_the_others_go_on():
+    robots = LateRobots(dead_time=(0.2, 0.2), lag=(0.1, 0.1), speed_noise=0.05)
+    certificate = LateCertificate.of(IDEAL, robots)
+    gap = 0.5 * certificate.guarantee().stops_apart
+    # Three in a row, side by side, too close for anyone to move as fast as noise might push it.
+    x = np.array([-1.0, -1.0 + gap, -1.0 + 2 * gap, 1.0])
+    poses = np.vstack([x, np.zeros(4), [0.5 * np.pi] * 3 + [0.0]])
+    commands, info = certificate(np.tile([[0.1], [0.2]], 4), poses)
+    assert not commands[:, :3].any()
+    assert commands[:, 3] == pytest.approx([0.1, 0.2])
+    assert info.status == "optimal"
+    assert info.intervention > 0.1
+
+
 def test_a_step_that_took_longer_is_taken_into_account():
     robots = LateRobots(dead_time=(0.2, 0.2), longest_step=0.5)
     late = StopPrediction(robots, STEP)

@@ -53,11 +53,17 @@ class CautiousRows:
         What robots may do beside what they are told.
     radius : float
         What is kept between two stop points, m.
+
+    Attributes
+    ----------
+    number : int
+        How many rows were added at last.
     """
 
     def __init__(self, margins: LateMargins, radius: float) -> None:
         self._margins = margins
         self._radius = radius
+        self.number = 0
 
     def added(
         self,
@@ -88,11 +94,13 @@ class CautiousRows:
         if obstacles.names:
             found.append(self._obstacles(scene, obstacles))
         close = [few for few in found if few.doubt.shape[0]]
+        self.number = 0
         if not close:
             return rows
-        return self._with(
-            rows, _Close(*(np.concatenate(part, axis=-1) for part in zip(*close, strict=True)))
-        )
+        every = _Close(*(np.concatenate(part, axis=-1) for part in zip(*close, strict=True)))
+        more = self._with(rows, every)
+        self.number = len(more) - len(rows)
+        return more
 
     def _pairs(self, scene: Scene) -> _Close:
         """Return the pairs seen too close."""

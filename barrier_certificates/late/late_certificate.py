@@ -16,7 +16,8 @@ from barrier_certificates.late.cautious_rows import CautiousRows
 from barrier_certificates.late.late_margins import LateMargins, limits_of, margins_of
 from barrier_certificates.late.late_robots import LateRobots
 from barrier_certificates.late.stop_prediction import StopPrediction
-from barrier_certificates.projection import Policy, ProjectionInfo
+from barrier_certificates.late.waiting import WaitingProjector
+from barrier_certificates.projection import Policy, ProjectionInfo, Projector
 from barrier_certificates.rows import Obstacle, Rows, Scene
 from barrier_certificates.rows.obstacles import moved
 from barrier_certificates.unicycle import UnicycleCertificate
@@ -73,7 +74,8 @@ class LateCertificate(UnicycleCertificate):
 
     Radius and margins are what is kept between the true projection points. Between stop points it
     keeps more, by `margins_of` for the robots given; `info` tells of stop points. Where no velocity
-    satisfies all rows everybody stops, which keeps stop points where they are.
+    satisfies all rows, robots that are too close stop, and where that is not enough everybody,
+    which keeps stop points where they are.
 
     Parameters
     ----------
@@ -277,6 +279,9 @@ class LateCertificate(UnicycleCertificate):
         now = self.obstacles if obstacles is None else obstacles
         later = moved(now, self.late_margins.delay)
         return super()._certify(desired, scene, later)
+
+    def _projector(self) -> Projector:
+        return WaitingProjector(super()._projector(), self._cautious)
 
     def _all_rows(self, rows: Rows, scene: Scene) -> Rows:
         memory = self._memory
