@@ -36,7 +36,7 @@ from barrier_certificates.rows.obstacles import listed
 __all__ = ["Certificate"]
 
 
-class Allowance(NamedTuple):
+class RowAllowance(NamedTuple):
     """How rows differ from what is asked for, because robots are not where they seem.
 
     Attributes
@@ -53,7 +53,7 @@ class Allowance(NamedTuple):
     unsafe_gain: float | None = None
 
 
-EXACT = Allowance()
+EXACT = RowAllowance()
 
 
 @dataclass(frozen=True)
@@ -178,7 +178,7 @@ class Certificate(ABC):
         gain = self.barrier_gain if self.wall_gain is None else self.wall_gain
         return WallRows(*walls, margin, gain, disturbance, more.unsafe_gain)
 
-    def _allowance(self) -> Allowance:
+    def _allowance(self) -> RowAllowance:
         """Return how rows differ from what is asked for; not at all, where robots obey at once."""
         return EXACT
 

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 from barrier_certificates import checks
 from barrier_certificates.array_types import FloatArray
-from barrier_certificates.certificate import Allowance
+from barrier_certificates.certificate import RowAllowance
 from barrier_certificates.certificate_errors import ParameterError
 from barrier_certificates.guarantee import largest_gain, largest_wall_gain
 from barrier_certificates.late.cautious_rows import CautiousRows
@@ -184,9 +184,9 @@ class LateCertificate(UnicycleCertificate):
             tuple(cannot),
         )
 
-    def _allowance(self) -> Allowance:
+    def _allowance(self) -> RowAllowance:
         margins, near = self.late_margins, self._half_radius(self.obstacle_margin)
-        return Allowance(
+        return RowAllowance(
             margins.pair(self.safety_radius),
             margins.wall(),
             margins.obstacle(max(near, 1e-3), self.obstacle_speed),

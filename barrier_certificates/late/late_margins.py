@@ -13,13 +13,13 @@ from barrier_certificates.certificate_errors import ParameterError
 from barrier_certificates.differential_drive import DifferentialDrive
 from barrier_certificates.late.late_robots import LateRobots, half, middle
 
-__all__ = ["LateMargins", "Limits", "limits_of", "margins_of"]
+__all__ = ["CommandLimits", "LateMargins", "limits_of", "margins_of"]
 
 _WIDEST = math.radians(75.0)
 
 
 @dataclass(frozen=True)
-class Limits:
+class CommandLimits:
     """What commands keep to, and where the certified point lies.
 
     Parameters
@@ -38,7 +38,7 @@ class Limits:
     time_step: float
 
 
-def limits_of(drive: DifferentialDrive) -> Limits:
+def limits_of(drive: DifferentialDrive) -> CommandLimits:
     """Return what the commands of a robot keep to, its wheels' limit included.
 
     Parameters
@@ -61,7 +61,7 @@ def limits_of(drive: DifferentialDrive) -> Limits:
         raise ParameterError(
             "late robots need limits: expected speed_limit and turn_rate_limit, or wheel_limit"
         )
-    return Limits(speed, rate, drive.projection_distance, drive.time_step)
+    return CommandLimits(speed, rate, drive.projection_distance, drive.time_step)
 
 
 @dataclass(frozen=True)
@@ -156,14 +156,14 @@ class LateMargins:
         return (speed * self.lag) ** 2 / (2.0 * distance) if self.lag else 0.0
 
 
-def margins_of(robots: LateRobots, limits: Limits) -> LateMargins:
+def margins_of(robots: LateRobots, limits: CommandLimits) -> LateMargins:
     """Return what late robots cost.
 
     Parameters
     ----------
     robots : LateRobots
         What is known of them.
-    limits : Limits
+    limits : CommandLimits
         What their commands keep to.
 
     Raises
