@@ -221,15 +221,22 @@ class Found:
         )
 
 
-def scattered(number: int, apart: float, inside: float, rng: np.random.Generator) -> Array:
-    """Return random poses whose projection points are so far apart, and from walls and discs."""
+def scattered(
+    number: int, apart: float, inside: float, rng: np.random.Generator, crowded: bool
+) -> Array:
+    """Return random poses whose projection points are so far apart, and from walls and discs.
+
+    A crowd stands in the middle, as close as chance finds places quickly, and no disc is there.
+    """
     while True:
         heading = rng.uniform(-np.pi, np.pi, number)
         points = np.zeros((2, 0))
         size = np.array([[1.6], [1.0]]) - inside - 0.01
+        if crowded:
+            size = np.minimum(size, 0.8 * (apart + 0.01) * np.sqrt(number))
         for _ in range(3000):
             point = rng.uniform(-1, 1, (2, 1)) * size
-            clear = all(
+            clear = crowded or all(
                 np.hypot(*(point[:, 0] - np.array(d.centre))) > d.radius + 0.1 + inside + apart / 2
                 for d in discs(0.0, OBSTACLE_SPEED)
             )
@@ -248,11 +255,12 @@ def drive(kind: str, cell: Cell, name: str, number: int, steps: int, seed: int) 
     late = certificate_of("late", cell)
     assert isinstance(late, LateCertificate)
     apart = late.guarantee().stops_apart
-    start = scattered(number, apart, WALL + late.late_margins.wall(), rng)
+    with_discs = name == "greedy"
+    crowded = seed % 2 == 1 and not with_discs
+    start = scattered(number, apart, WALL + late.late_margins.wall(), rng, crowded)
     realism = Timed(at_ends(cell.profile, number, rng))
     arena = Arena(start, GTERNAL, realism=realism, rng=np.random.default_rng([seed, number, 1]))
     attack = Attack(rng, start[:2] + D * np.stack([np.cos(start[2]), np.sin(start[2])]))
-    with_discs = name == "greedy"
     found, elapsed = Found(steps), STEP
     first, second = np.triu_indices(number, 1)
     for step in range(steps):
