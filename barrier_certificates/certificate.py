@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -34,6 +34,26 @@ from barrier_certificates.rows import (
 from barrier_certificates.rows.obstacles import listed
 
 __all__ = ["Certificate"]
+
+
+class RowAllowance(NamedTuple):
+    """How rows differ from what is asked for, because robots are not where they seem.
+
+    Attributes
+    ----------
+    pairs, walls, obstacles : float
+        By how much distances between two robots, to a wall and to an obstacle are kept larger, m.
+    unsafe_gain : float, optional
+        γ of whatever is unsafe already, in the place of all others; None leaves them.
+    """
+
+    pairs: float = 0.0
+    walls: float = 0.0
+    obstacles: float = 0.0
+    unsafe_gain: float | None = None
+
+
+EXACT = RowAllowance()
 
 
 @dataclass(frozen=True)
@@ -153,9 +173,22 @@ class Certificate(ABC):
         if self.boundary is None:
             return None
         walls = (rectangle if len(self.boundary) == 4 else polygon)(self.boundary)
-        margin = self._half_radius(self.wall_margin)
+        more = self._allowance()
+        margin = self._half_radius(self.wall_margin) + more.walls
         gain = self.barrier_gain if self.wall_gain is None else self.wall_gain
-        return WallRows(*walls, margin, gain, disturbance)
+        return WallRows(*walls, margin, gain, disturbance, more.unsafe_gain)
+
+    def _allowance(self) -> RowAllowance:
+        """Return how rows differ from what is asked for; not at all, where robots obey at once."""
+        return EXACT
+
+    def _all_rows(self, rows: Rows, scene: Scene) -> Rows:
+        """Return the rows to be kept, given those of the row book for a scene."""
+        return rows
+
+    def _projector(self) -> Projector:
+        """Return who finds the nearest velocities."""
+        return Projector(self.solver, self.on_infeasible, self.options)
 
     def _half_radius(self, margin: float | None) -> float:
         """Return a margin, by default half the safety radius, m."""
@@ -163,27 +196,31 @@ class Certificate(ABC):
 
     @cached_property
     def _memory(self) -> _Memory:
-        disturbance = self._disturbance()
+        disturbance, more = self._disturbance(), self._allowance()
         limits = self._motor_limits() if self.limits is None else self.limits
         walls = self._wall_rows(disturbance)
         obstacles = ObstacleRows(
             self.obstacles,
-            self._half_radius(self.obstacle_margin),
+            self._half_radius(self.obstacle_margin) + more.obstacles,
             self.barrier_gain,
             disturbance,
+            more.unsafe_gain,
         )
         families = [family for family in (limits, walls, obstacles) if family is not None]
         pairs = None
         if self.pair_rows:
-            pairs = PairRows(self.safety_radius, self.barrier_gain, self.unsafe_gain, disturbance)
+            radius = self.safety_radius + more.pairs
+            unsafe = self.unsafe_gain if more.unsafe_gain is None else more.unsafe_gain
+            pairs = PairRows(radius, self.barrier_gain, unsafe, disturbance)
         top_speed = math.inf if limits is None else limits.top_speed
         deadlock = self.deadlock
         if deadlock is None and self.tilt:
             deadlock = DeadlockParameters()
         return _Memory(
             RowBook(families, pairs, top_speed),
+            walls,
             obstacles,
-            Projector(self.solver, self.on_infeasible, self.options),
+            self._projector(),
             None if deadlock is None else DeadlockMonitor(deadlock),
         )
 
@@ -198,6 +235,7 @@ class Certificate(ABC):
         memory = self._memory
         memory.place(self.obstacles if obstacles is None else obstacles)
         rows, barrier = memory.book.write(scene)
+        rows = self._all_rows(rows, scene)
         if memory.monitor is None:
             velocity, info = memory.projector.project(desired, rows, memory.book.top_speed)
         else:
@@ -238,6 +276,7 @@ class _Memory:
     """What a certificate keeps from step to step: rows in arrays, who bound, who was held."""
 
     book: RowBook
+    walls: WallRows | None
     obstacles: ObstacleRows
     projector: Projector
     monitor: DeadlockMonitor | None

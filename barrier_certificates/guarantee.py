@@ -23,6 +23,7 @@ distance, of which a step can take 10 mm. A wall is the same with ``g − dt 0.4
 The guarantee is for velocities that are *executed as certified*. Clipping them afterwards, a delay,
 wheels that slip and poses measured with an error all void it; so does the arc that a projection
 point moves on while its robot turns (`turning_error`), unless the certificate knows the time step.
+What a certificate can guarantee of robots like that stands in `barrier_certificates.late`.
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -68,6 +68,9 @@ class UnicycleCertificate(Certificate, DifferentialDrive):
     >>> bool(commands[0, 0] < 0.01)
     True
     """
+
+    answers_late: ClassVar[bool] = False
+    """Whether poses have to be brought to where robots come to rest, by `stops`, beforehand."""
 
     _: KW_ONLY
     robust_walls: bool = True
@@ -189,6 +192,30 @@ class UnicycleCertificate(Certificate, DifferentialDrive):
         checks.require_finite("velocities", velocity)
         checks.require_finite("poses", poses)
         return self._commands(velocity, np.stack([np.cos(poses[2]), np.sin(poses[2])]))
+
+    def stops(self, poses: FloatArray) -> FloatArray:
+        """Return the poses that a certificate is about: those of robots that obey at once.
+
+        Parameters
+        ----------
+        poses : (3, N) array
+            Poses as tracked, m and rad.
+
+        Returns
+        -------
+        (3, N) array
+            The same poses.
+        """
+        return poses
+
+    def sent(self, commands: FloatArray) -> None:
+        """Take note of the commands that robots are sent: nothing, where these act at once.
+
+        Parameters
+        ----------
+        commands : (2, N) array
+            Forward speeds, m/s, and turn rates, rad/s.
+        """
 
     def _commands(self, velocity: FloatArray, headings: FloatArray) -> FloatArray:
         (cos, sin), (x, y) = headings, velocity

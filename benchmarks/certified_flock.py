@@ -25,6 +25,7 @@ from posflock_robotarium.flocking.flock import EXPERIMENT_CERTIFICATE, Flock
 from posflock_robotarium.flocking.pose_log import INTERVENED
 from rps_compat.arena import Arena, Array
 from rps_compat.initial import near
+from rps_compat.late_profiles import late_certificate
 from rps_compat.profiles import load_profile
 from rps_compat.testbed import GTERNAL
 
@@ -41,10 +42,22 @@ def papers_neighbours() -> Flock:
     return Flock(neighbour_hysteresis=0.0)
 
 
+def late_flock() -> Flock:
+    """Return a flock with the certificate for robots that answer as late as ``gritsbot_x``.
+
+    It promises 0.185 m between look-ahead points, from which the points of the collision test are
+    0.135 m apart.
+    """
+    ideal = replace(EXPERIMENT_CERTIFICATE, safety_radius=0.185, time_step=GTERNAL.time_step)
+    ideal = replace(ideal, wall_margin=0.08)
+    return Flock(certificate=late_certificate(ideal, load_profile("gritsbot_x"), barrier_gain=2e4))
+
+
 MAKE: dict[str, Callable[[], Flock]] = {
     "certified": Flock,
     "control": without_pair_rows,
     "papers-neighbours": papers_neighbours,
+    "late": late_flock,
 }
 
 

@@ -9,7 +9,7 @@ can retreat, no velocity is safe, and the policy for infeasible states decides.)
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -136,6 +136,27 @@ def listed(obstacles: Any) -> tuple[Obstacle, ...]:
     raise ParameterError(f"obstacles are {obstacles!r}; expected a sequence of Disc and Segment")
 
 
+def moved(obstacles: Sequence[Obstacle], seconds: float) -> tuple[Obstacle, ...]:
+    """Return obstacles where they will be, as their velocities say.
+
+    Parameters
+    ----------
+    obstacles : sequence of Disc or Segment
+        Where they are now.
+    seconds : float
+        When, from now, s.
+    """
+    out: list[Obstacle] = []
+    for obstacle in obstacles:
+        x, y = obstacle.velocity
+        ends = [(a + seconds * x, b + seconds * y) for a, b in obstacle.ends]
+        if isinstance(obstacle, Disc):
+            out.append(replace(obstacle, centre=ends[0]))
+        else:
+            out.append(replace(obstacle, start=ends[0], end=ends[1]))
+    return tuple(out)
+
+
 class ObstacleRows(RowFamily):
     """Every robot stays away from every obstacle: −2D·vᵢ + 2D·ċ ≤ γ h³, h = ‖D‖² − R².
 
@@ -149,6 +170,8 @@ class ObstacleRows(RowFamily):
         γ, in 1/(m⁴ s).
     disturbance : WheelDisturbance, optional
         What the wheels may do on their own; rows then hold for the worst of it.
+    unsafe_gain : float, optional
+        γ for robots that are too close already (h < 0). Default: ``gain``.
     weight : float
         Cost of giving a row up when no velocity satisfies all rows.
     """
@@ -159,10 +182,12 @@ class ObstacleRows(RowFamily):
         margin: float,
         gain: float,
         disturbance: WheelDisturbance | None = None,
+        unsafe_gain: float | None = None,
         weight: float = 1e6,
     ) -> None:
         self.gain = gain
         self.disturbance = disturbance
+        self.unsafe_gain = gain if unsafe_gain is None else unsafe_gain
         self.weight = weight
         self._margin = margin
         self.move(obstacles)
@@ -204,7 +229,10 @@ class ObstacleRows(RowFamily):
         offset /= distance
         closing = (offset * self._velocity).sum(axis=0)
         coefficient[:2] = -offset.reshape(2, -1)
-        bound[:] = (0.5 * self.gain * h**3 / distance - closing).reshape(-1)
+        half_gain: float | FloatArray = 0.5 * self.gain
+        if self.unsafe_gain != self.gain:
+            half_gain = np.where(h < 0.0, 0.5 * self.unsafe_gain, half_gain)
+        bound[:] = (half_gain * h**3 / distance - closing).reshape(-1)
         if self.disturbance is not None:
             robots = np.tile(np.arange(scene.positions.shape[1]), len(self.names))
             bound -= self.disturbance.worst(scene, robots, coefficient[:2])
@@ -217,6 +245,28 @@ class ObstacleRows(RowFamily):
         _, square = self._offsets(scene)
         h, clearance = square - self._distance**2, np.sqrt(square) - self._distance
         return h.reshape(-1), clearance.reshape(-1)
+
+    def apart(self, scene: Scene) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return how every robot lies to every obstacle, row by row.
+
+        Parameters
+        ----------
+        scene : Scene
+            Where the team is.
+
+        Returns
+        -------
+        offset : (2, m) array
+            From the nearest points of the obstacles to the robots, m.
+        velocity : (2, m) array
+            Velocities of the obstacles, m/s.
+        clearance : (m,) array
+            Distance less radius and margin, m.
+        """
+        offset, square = self._offsets(scene)
+        velocity = np.broadcast_to(self._velocity, offset.shape)
+        clearance = np.sqrt(square) - self._distance
+        return offset.reshape(2, -1), velocity.reshape(2, -1), clearance.reshape(-1)
 
     def _offsets(self, scene: Scene) -> tuple[FloatArray, FloatArray]:
         """Return D from the nearest points to the robots, (2, M, N), and ‖D‖², (M, N)."""

@@ -31,6 +31,8 @@ class WallRows(RowFamily):
         γ, in 1/(m² s).
     disturbance : WheelDisturbance, optional
         What the wheels may do on their own; rows then hold for the worst of it.
+    unsafe_gain : float, optional
+        γ beyond a margin (g < 0): how fast robots must come back. Default: ``gain``.
     weight : float
         Cost of giving a row up when no velocity satisfies all rows.
     """
@@ -43,12 +45,14 @@ class WallRows(RowFamily):
         margin: float,
         gain: float,
         disturbance: WheelDisturbance | None = None,
+        unsafe_gain: float | None = None,
         weight: float = 1e4,
     ) -> None:
         self.normals = normals
         self.names = tuple(names)
         self.gain = gain
         self.disturbance = disturbance
+        self.unsafe_gain = gain if unsafe_gain is None else unsafe_gain
         self.weight = weight
         self._outward = np.ascontiguousarray(normals.T)
         self._inner = (offsets - margin)[:, None]
@@ -68,7 +72,10 @@ class WallRows(RowFamily):
         gap = gap.reshape(-1)
         np.multiply(gap, gap, out=bound)
         bound *= gap
-        bound *= 0.4 * self.gain
+        if self.unsafe_gain != self.gain:
+            bound *= np.where(gap < 0.0, 0.4 * self.unsafe_gain, 0.4 * self.gain)
+        else:
+            bound *= 0.4 * self.gain
         if self.disturbance is not None:
             robots = np.tile(np.arange(scene.positions.shape[1]), len(self.names))
             bound -= self.disturbance.worst(scene, robots, coefficient[:2])

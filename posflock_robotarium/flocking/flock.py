@@ -242,7 +242,8 @@ class Flock:
         ParameterError
             Where the poses have another shape or a value that is not finite.
         """
-        x = self.filter.update(self._checked(poses))
+        seen = self._checked(poses)
+        x = self.filter.update(seen)
         ahead = np.array([np.cos(x[2]), np.sin(x[2])])
         points = x[:2] + self.certificate.projection_distance * ahead
         if self._imprint is None or self._velocity is None:
@@ -258,7 +259,11 @@ class Flock:
             u, w, turning = self._steering.steer(time, points, u, w)
         w = saturate(w + self.time_step * u, self.law.speed_limit)
 
-        applied, info = self.certificate.project(self._within_limits(w, ahead), x)
+        certified = x
+        if self.certificate.answers_late:  # by what is seen, not by what is filtered
+            certified = self.certificate.stops(seen)
+            ahead = np.array([np.cos(certified[2]), np.sin(certified[2])])
+        applied, info = self.certificate.project(self._within_limits(w, ahead), certified)
         if info.unsafe_start:
             warnings.warn(
                 f"{info.nearest} start {1e3 * -info.clearance:.3g} mm closer than the certificate"
@@ -266,13 +271,14 @@ class Flock:
                 stacklevel=2,
             )
         self._velocity = applied
-        command = self.certificate.commands(applied, x)
+        command = self.certificate.commands(applied, certified)
+        self.certificate.sent(command)
         self.filter.moved(command)
         return FlockStep(
             command=command,
             status=info.status,
             intervention=info.intervention,
-            clearance=info.clearance if self.certificate.pair_rows else self._clearance(x),
+            clearance=info.clearance if self.certificate.pair_rows else self._clearance(certified),
             active=info.active,
             turning=turning,
         )
