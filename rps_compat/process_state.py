@@ -12,6 +12,8 @@ import random
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import numpy as np
 
@@ -22,6 +24,8 @@ from rps_compat.own_imports.whose import is_environments_module
 from rps_compat.repeatable import seed_global_generators
 from rps_compat.scripts.libraries import shadowed_by
 
+#: As what children of `multiprocessing` know the main module, and send their results by its names.
+_MAIN_OF_CHILDREN = "__mp_main__"
 #: Files that hide something beyond this many are counted only.
 TOLD = 5
 
@@ -56,6 +60,9 @@ def process_state(
     folder, argv, path = Path.cwd(), sys.argv, list(sys.path)
     bytecode, before, modules = sys.dont_write_bytecode, installed(), set(sys.modules)
     randomness = random.getstate(), np.random.get_state()  # noqa: NPY002
+    main = sys.modules.get(_MAIN_OF_CHILDREN)
+    if main is not None:  # it was set when somebody imported multiprocessing: not for the script
+        sys.modules[_MAIN_OF_CHILDREN] = _MainNow(_MAIN_OF_CHILDREN)
     os.chdir(script.parent)
     sys.argv = list(words)
     sys.path[:0] = [str(script.parent), *folders]
@@ -73,7 +80,16 @@ def process_state(
         random.setstate(randomness[0])
         np.random.set_state(randomness[1])  # noqa: NPY002
         uninstall() if before is None else install(before)
+        if main is not None:
+            sys.modules[_MAIN_OF_CHILDREN] = main
         _forget_modules_of(script.parent, modules)
+
+
+class _MainNow(ModuleType):
+    """Has the names of whatever is the main module when it is asked."""
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(sys.modules["__main__"], name)
 
 
 def _forget_modules_of(folder: Path, known: set[str]) -> None:

@@ -35,9 +35,6 @@ if __name__ == "__main__":
 """
 
 
-@pytest.mark.skipif(
-    "COVERAGE_RUN" in os.environ, reason="waits for ever where coverage measures it"
-)
 @pytest.mark.parametrize("method", ["fork", "spawn", "forkserver"])
 def test_robots_in_pools(tmp_path, method):
     done, data, _ = run(tmp_path, POOLS, "--seed", "1", arguments=[method])
@@ -62,6 +59,19 @@ def test_robots_in_pools(tmp_path, method):
     # Which of two processes a pool gives its task to is its own affair; an executor has one here.
     assert again.stdout.splitlines()[1:3] == lines[1:3]
     assert "Robotarium 2 (process-" in done.stdout
+
+
+def test_children_send_the_scripts_own_classes_whoever_imported_multiprocessing_first(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import multiprocessing, sys\n"
+        "class Item: pass\n"
+        "print(sys.modules['__mp_main__'].Item is Item)\n"
+    )
+    early = "import multiprocessing; from posflock_robotarium.cli import main; main()"
+    command = [sys.executable, "-c", early, "run", "--headless", "-o", "out", script.name]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.stdout.splitlines()[0] == "True", done.stderr
 
 
 def test_a_simulator_beside_the_script_and_files_that_hide_modules(tmp_path):
