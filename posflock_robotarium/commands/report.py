@@ -1,4 +1,4 @@
-"""``posflock report``, ``compare``, ``replay`` and ``convert``: what logs can be turned into."""
+"""``posflock report`` and ``compare``: what logs tell, alone and beside each other."""
 
 import contextlib
 from pathlib import Path
