@@ -12,6 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from posflock_robotarium.cli import app
+from posflock_robotarium.sweep import cluster as sweep_cluster
 from posflock_robotarium.sweep.cluster import Certificates, ClusterError, on_cluster
 from posflock_robotarium.sweep.execution import execute, locally
 from posflock_robotarium.sweep.results import finished
@@ -177,6 +178,19 @@ def test_a_scheduler_that_dies_is_one_error_and_the_store_goes_on(processes, tmp
         assert 0 < there < 40
     with Store(tmp_path) as store:
         assert execute(STUDY, store, locally(1)) == 40 - there
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_scheduler_without_workers_is_not_waited_for_for_ever(processes, tmp_path, monkeypatch):
+    monkeypatch.setattr(sweep_cluster, "WITHOUT_WORKERS", 0.2)
+    monkeypatch.setattr(sweep_cluster, "_LOOK", 0.1)
+    address = processes(sys.executable, "-c", SCHEDULER).stdout.readline().strip()
+    with (
+        Store(tmp_path) as store,
+        pytest.raises(ClusterError, match=r"has had no worker for 0\.2 s; finished runs are in"),
+        on_cluster(address) as executor,
+    ):
+        execute(STUDY, store, executor)
 
 
 def certified(folder, name, authority=None):

@@ -8,6 +8,7 @@ a client. ``tls://`` admits those alone who hold a certificate, and encrypts wha
 from __future__ import annotations
 
 import contextlib
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -22,6 +23,12 @@ from posflock_robotarium.sweep.study import PlannedRun
 
 if TYPE_CHECKING:
     from distributed import Client
+
+
+#: Seconds after which a cluster that has lost all workers is given up: they may be replaced.
+WITHOUT_WORKERS = 300.0
+#: Seconds between two looks at who works there.
+_LOOK = 2.0
 
 
 class ClusterError(PosflockError):
@@ -101,8 +108,9 @@ def on_cluster(
     Raises
     ------
     ClusterError
-        Where Dask is not installed, nobody answers, a worker has another version, or the
-        scheduler goes away; what was finished is in the store by then.
+        Where Dask is not installed, nobody answers, a worker has another version, the scheduler
+        goes away, or it has had no worker for :data:`WITHOUT_WORKERS`; what was finished is in
+        the store by then.
     """
     client = _connected(address, patience, certificates)
     try:
@@ -171,7 +179,10 @@ def _finished(
 
     futures = client.map(job, work, pure=False, batch_size=100)
     batch_of: dict[Any, Sequence[PlannedRun]] = dict(zip(futures, work, strict=True))
-    for future in as_completed(futures, loop=client.loop):
+    completed = as_completed(futures, loop=client.loop)
+    while not completed.is_empty():
+        _await_one(completed, client, address)
+        future = next(completed)
         rows: list[Row] | None = None
         try:
             rows = future.result()
@@ -181,6 +192,27 @@ def _finished(
             raise _lost(address) from error
         yield batch_of.pop(future), rows
         future.release()
+
+
+def _await_one(completed: Any, client: Client, address: str) -> None:
+    """Wait until a batch is finished, as long as somebody is there to compute it."""
+    pause, looked, seen = 0.002, time.monotonic(), time.monotonic()
+    while not completed.has_ready():
+        time.sleep(pause)
+        pause = min(2.0 * pause, 0.1)
+        if time.monotonic() - looked < _LOOK:
+            continue
+        try:
+            if client.nthreads() or client.status != "running":  # who has gone says so himself
+                seen = time.monotonic()
+        except (OSError, TimeoutError) as error:
+            raise _lost(address) from error
+        looked = time.monotonic()
+        if looked - seen > WITHOUT_WORKERS:
+            raise ClusterError(
+                f"the Dask scheduler at {address} has had no worker for {WITHOUT_WORKERS:g} s;"
+                " finished runs are in the store: start workers, then start again"
+            )
 
 
 def _lost(address: str) -> ClusterError:
