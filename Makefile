@@ -91,6 +91,7 @@ bench-verify: $(VENV)/.dev  ## the flock under imperfections; calibration agains
 bench-report: $(VENV)/.dev  ## estimators against truth; cost of an analysis over a run's length
 	$(BIN)/python benchmarks/estimator_truth.py
 	$(BIN)/python benchmarks/gaps_truth.py
+	$(BIN)/python benchmarks/band_coverage.py
 	$(BIN)/python benchmarks/report_scaling.py
 	$(BIN)/python benchmarks/replay_video.py
 

@@ -2,8 +2,8 @@
 
 import io
 import math
-from collections.abc import Sequence
-from contextlib import ExitStack
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,14 @@ from rps_compat.whole_files import atomic_write, write_whole
 
 #: Frames per second of the run, and of the film: it plays in real time.
 FRAMES = {".mp4": 20, ".gif": 10}
+#: Length of the bar that tells the scale of a snapshot, m.
+_BAR = 0.5
+_BAR_LOOK: dict[str, Any] = {
+    "xycoords": "axes fraction",
+    "textcoords": "axes fraction",
+    "arrowprops": {"arrowstyle": "|-|,widthA=0.25,widthB=0.25", "shrinkA": 0, "shrinkB": 0},
+    "annotation_clip": False,
+}
 
 
 class FilmError(RobotariumError):
@@ -27,7 +35,7 @@ class Film:
     snapshots
         Times in seconds, infinity for the end of the run.
     folder
-        Where ``snapshot-TIME.png`` go.
+        Where ``snapshot-TIME.png`` and ``.pdf`` go.
     video
         File to film to, ending in .mp4 or .gif; None films nothing.
 
@@ -42,7 +50,7 @@ class Film:
         self._due = sorted(snapshots)
         self._folder = folder
         self._writer: Any = None
-        self._frame = math.inf
+        self._frame, self._time = math.inf, 0.0
         self._stack = ExitStack()
         if video is not None:
             self._writer, self._per_second = _writer(video), FRAMES[video.suffix.lower()]
@@ -63,6 +71,7 @@ class Film:
         instance : Robotarium
             Whose picture is taken.
         """
+        self._time = time
         while self._due and reached(time, self._due[0]):
             self._snapshot(instance, self._due.pop(0))
         if reached(time, self._frame):
@@ -92,11 +101,48 @@ class Film:
 
     def _snapshot(self, instance: Any, time: float) -> None:
         name = "end" if math.isinf(time) else f"{time:g}s"
-        path = self._folder / f"snapshot-{name}.png"
-        drawn = io.BytesIO()  # where a disk is full, matplotlib says something else
-        figure_of(instance).savefig(drawn, format="png")
-        write_whole(path, drawn.getvalue())
-        self.files.append(path)
+        with _measured(figure_of(instance), instance._picture.axes, self._time) as figure:
+            for kind in ("png", "pdf"):
+                drawn = io.BytesIO()  # where a disk is full, matplotlib says something else
+                # No dates inside: the same run gives the same bytes.
+                dates = {"CreationDate": None, "Producer": None} if kind == "pdf" else None
+                figure.savefig(drawn, format=kind, dpi=150, metadata=dates)
+                path = self._folder / f"snapshot-{name}.{kind}"
+                write_whole(path, drawn.getvalue())
+                self.files.append(path)
+
+
+@contextmanager
+def _measured(figure: Any, axes: Any, time: float) -> Iterator[Any]:
+    """Give the picture axes in metres, a scale bar and the time, and take all of them off again.
+
+    What the script drew, and what it set itself on the axes, stays as it is.
+    """
+    place, shown = axes.get_position(original=True), axes.axison
+    labels = axes.get_xlabel(), axes.get_ylabel()
+    left, right = axes.get_xlim()
+    width, height = figure.get_size_inches()
+    # Room in inches: 0.8 for the numbers on the left, 0.55 below, 0.45 above.
+    axes.set_position((0.8 / width, 0.55 / height, 1 - 0.95 / width, 1 - 1.0 / height))
+    axes.set_axis_on()
+    axes.set(xlabel=labels[0] or "x (m)", ylabel=labels[1] or "y (m)")
+    within = axes.transAxes
+    length = _BAR / abs(right - left)
+    added = [
+        axes.text(0.0, 1.04, f"t = {time:.1f} s", fontsize=11, transform=within),
+        axes.annotate("", (1.0 - length, 1.045), (1.0, 1.045), **_BAR_LOOK),
+        axes.text(
+            1.0 - length / 2, 1.055, f"{_BAR:g} m", ha="center", fontsize=9, transform=within
+        ),
+    ]
+    try:
+        yield figure
+    finally:
+        for artist in added:
+            artist.remove()
+        axes.set(xlabel=labels[0], ylabel=labels[1])
+        axes.set_position(place)
+        (axes.set_axis_on if shown else axes.set_axis_off)()
 
 
 def figure_of(instance: Any) -> Any:

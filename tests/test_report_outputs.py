@@ -265,7 +265,7 @@ def test_runs_compared_from_logs_and_saved_analyses(log, tmp_path):
     assert result.exit_code == 0
     assert "testbed − simulation" in result.output
     line = next(line for line in result.output.splitlines() if line.startswith("γ from motion"))
-    assert line.split()[-1] == "0"
+    assert line.split()[-1] == "0.000"
     assert (tmp_path / "c" / "report.html").is_file()
     comparison = json.loads(posflock("compare", log, saved, "--json").stdout)
     assert comparison["numbers"]["robots"]["values"] == [10, 10]

@@ -244,7 +244,9 @@ def test_pictures_show_what_the_script_drew(run, tmp_path):
 
     run("plot_on_axes.py", snapshots=(0.0, 3.0, float("inf")))
     names = {path.name for path in (tmp_path / "out").iterdir()}
-    assert {"snapshot-0s.png", "snapshot-3s.png", "snapshot-end.png"} <= names
+    taken = {f"snapshot-{when}.{kind}" for when in ("0s", "3s", "end") for kind in ("png", "pdf")}
+    assert taken <= names
+    assert (tmp_path / "out" / "snapshot-0s.pdf").read_bytes().startswith(b"%PDF")
     first, last = (imread(tmp_path / "out" / f"snapshot-{when}.png") for when in ("0s", "end"))
     assert (np.abs(first - last).max(axis=2) > 0.2).sum() > 500, "robots and trails have moved"
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from barrier_certificates import ties
+from posflock_robotarium.alignment.band_words import band_sentence
 from posflock_robotarium.alignment.run_verdict import Mark, RunVerdict
 from posflock_robotarium.alignment.verdict_words import (
     bias_text,
@@ -197,7 +198,7 @@ def _of_noise(v: Mapping[str, float], flocking: bool) -> RunVerdict:
         )
     because = (
         f"{tracked}, so a direction of motion is sure to {math.degrees(course):.2g}° and γ from "
-        f"motion is under-read by {bias_text(bias)}; raw differences read "
+        f"motion is under-read by {bias_text(bias)}; {band_sentence(v)} Raw differences read "
         f"{gamma_text(v['gamma_differences'])}.{gaps}"
     )
     if ties.beyond(v["left_out_motion"], 0.25):

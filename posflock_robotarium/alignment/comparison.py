@@ -203,6 +203,34 @@ def with_errors(comparison: Comparison, *, delta: float = 1.0, offset: float = 0
     return replace(comparison, errors=errors)
 
 
+def labelled(analyses: Sequence[Analysis], labels: Sequence[str]) -> list[Analysis]:
+    """Return the runs under the labels that they were given: alone, or before a run's own name.
+
+    Parameters
+    ----------
+    analyses : sequence of Analysis
+        In the order of the labels; they stay as they are.
+    labels : sequence of str
+        What each counts as.
+
+    Raises
+    ------
+    ParameterError
+        When there is not a label for each.
+    """
+    if len(labels) != len(analyses):
+        raise ParameterError(f"{len(labels)} labels for {len(analyses)} runs; give one for each")
+    shared = Counter(labels)
+    names = [
+        label if shared[label] == 1 else f"{label}: {analysis.name}"
+        for label, analysis in zip(labels, analyses, strict=True)
+    ]
+    return [
+        replace(analysis, recording=replace(analysis.recording, name=name))
+        for name, analysis in zip(names, analyses, strict=True)
+    ]
+
+
 def _without_nan(value: Any) -> Any:
     if isinstance(value, Mapping):
         return {key: _without_nan(item) for key, item in value.items()}

@@ -12,7 +12,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from posflock_robotarium.alignment.measured_run import CurveFunction, MeasuredRun
+import numpy as np
+
+from posflock_robotarium.alignment.measured_run import CurveFunction, Floats, MeasuredRun
 from posflock_robotarium.alignment.panels import Panel, in_reading_order
 from posflock_robotarium.flocking.errors import ParameterError
 
@@ -137,6 +139,9 @@ class Metric:
         Whether the page shows its value beside the replay.
     numbers : tuple of Scalar
         What is taken from it.
+    band : pair of str, optional
+        Keys of the metrics that are the lower and the upper end of its 95 % band, shaded where it
+        is drawn; by default it has none.
 
     Raises
     ------
@@ -155,6 +160,7 @@ class Metric:
     legend: str = ""
     beside_replay: bool = False
     numbers: tuple[Scalar, ...] = ()
+    band: tuple[str, str] | None = None
 
     def __post_init__(self) -> None:
         if not re.fullmatch(r"\w+", self.key):
@@ -169,6 +175,26 @@ class Metric:
                 f"metric {self.key!r}: of_interest is {self.of_interest!r}; expected one of "
                 f"{', '.join(REDUCTIONS)}"
             )
+
+    def unjoined(self, curve: Floats) -> Floats:
+        """Return a curve to be drawn: of an angle, the sample at which it jumps by a turn is NaN.
+
+        Else a line would be drawn from top to bottom where it passes from π to -π.
+
+        Parameters
+        ----------
+        curve : (T,) array
+            Of this metric.
+
+        Returns
+        -------
+        (T,) array
+            In the same unit.
+        """
+        if self.unit != "rad":
+            return curve
+        jump = np.abs(np.diff(curve, prepend=curve[:1])) > np.pi
+        return np.where(jump, np.nan, curve)
 
 
 _OTHER_FIGURES = ("snapshots", "runs", "sightings")

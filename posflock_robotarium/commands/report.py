@@ -158,7 +158,7 @@ def compare(
         posflock compare returned.npy --reference simulated.npy
     """
     from posflock_robotarium.alignment.comparison import compare as compare_runs
-    from posflock_robotarium.alignment.comparison import with_errors
+    from posflock_robotarium.alignment.comparison import labelled, with_errors
     from posflock_robotarium.alignment.own_metrics import own_metrics
     from posflock_robotarium.report.outputs import write_report
 
@@ -182,6 +182,8 @@ def compare(
     with own_metrics(metric or ()), _resimulated(runs, resimulate) as logs:
         compared = logs if reference is None else [reference, *logs]
         analyses = _analyse(compared, reading, judged, False, bool(metric))
+        if named is not None and len(named) == len(compared):
+            analyses = labelled(analyses, named)
         if reference is not None and (named is None or len(named) < len(compared)):
             named = ["reference", *(named or ["runs"] * len(logs))]
         comparison = compare_runs(analyses, named)

@@ -15,6 +15,7 @@ from posflock_robotarium.alignment.measured_run import MeasuredRun
 from posflock_robotarium.alignment.measuring import measure
 from posflock_robotarium.alignment.metrics import SMOOTHING_POINTS
 from posflock_robotarium.alignment.options import AnalysisOptions
+from posflock_robotarium.figures.look import OF_ESTIMATOR, shade
 from posflock_robotarium.figures.style import (
     BLACK,
     BLUE,
@@ -112,14 +113,22 @@ def alignment_over_time(log: Run, radius: float | None = None) -> Figure:
     figure = new_figure(3.5, 2.4)
     axes = figure.subplots()
     run, low = measure(log, AnalysisOptions(radius=radius)), 0.0
-    for key, colour, dash in (
-        ("gamma_headings", BLUE, "-"),
-        ("gamma_motion", ORANGE, (0, (4, 1.5))),
-    ):
-        gamma, label = run.curve(key), catalogue.metrics()[key].legend
+    for estimator in ("motion", "headings"):  # the dashes above
+        look, key = OF_ESTIMATOR[estimator], f"gamma_{estimator}"
+        gamma, metric = run.curve(key), catalogue.metrics()[key]
         if gamma is None:
             continue
-        axes.plot(log.t, gamma, color=colour, linestyle=dash, linewidth=1.2, label=label)
+        low_end, high_end = (run.curve(end) for end in metric.band or ())
+        if low_end is not None and high_end is not None:
+            shade(axes, log.t, low_end, high_end, look)
+        axes.plot(
+            log.t,
+            gamma,
+            color=look.colour,
+            linestyle=look.dash,
+            linewidth=look.width,
+            label=metric.legend,
+        )
         low = min(low, float(np.nanmin(gamma, initial=0.0)))
     axes.set(
         xlabel="time (s)", ylabel="alignment γ (–)", xlim=(0, log.t[-1]), ylim=(low - 0.05, 1.05)

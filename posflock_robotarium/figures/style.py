@@ -14,12 +14,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
+from posflock_robotarium.figures.palette import BLACK, BLUE, GREEN, GREY, ORANGE
 from rps_compat.whole_files import write_whole, written_together
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-BLUE, ORANGE, GREEN, BLACK, GREY = "#0072B2", "#D55E00", "#009E73", "#000000", "#8c8c8c"
+__all__ = ["BLACK", "BLUE", "GREEN", "GREY", "ORANGE", "in_style", "new_figure", "save"]
 
 _STYLE: dict[str, Any] = {
     "font.size": 8,

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from posflock_robotarium.figures.experiment import snapshots
-from posflock_robotarium.figures.look import Look
+from posflock_robotarium.figures.look import OF_ESTIMATOR, Look
 from posflock_robotarium.figures.style import (
     BLACK,
     BLUE,
@@ -209,11 +209,11 @@ def robots_alignment(robots: Robots, *, single: bool) -> Figure:
     """
     figure = new_figure(3.5, 2.4)
     axes = figure.subplots()
-    for values, label, look in (
-        (robots.gamma_headings, "headings", Look(BLUE)),
-        (robots.gamma_motion, "motion", Look(ORANGE, (0, (4, 1.5)))),
+    for values, label in (
+        (robots.gamma_headings, "headings"),
+        (robots.gamma_motion, "motion"),
     ):
-        _line(axes, robots.times, values, single, label, look)
+        _line(axes, robots.times, values, single, label, OF_ESTIMATOR[label])
     axes.axhline(1.0, color=GREY, linewidth=0.5, zorder=0)
     axes.set(xlabel="time (s)", ylabel="alignment γ (–)", xlim=(0, robots.times[-1]))
     axes.set_ylim(top=1.05)
@@ -344,7 +344,7 @@ def _line(axes: Axes, times: Floats, values: Floats, single: bool, label: str, l
         values[0] if single else middle,
         color=look.colour,
         linestyle=look.dash,
-        linewidth=1.1,
+        linewidth=look.width,
         label=label,
     )
 

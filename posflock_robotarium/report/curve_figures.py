@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from itertools import cycle
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from posflock_robotarium.alignment.comparison import spread_of
 from posflock_robotarium.alignment.fewest_runs import FEWEST_RUNS
 from posflock_robotarium.alignment.panels import LEFT_OUT, Line
 from posflock_robotarium.figures.experiment import snapshots
+from posflock_robotarium.figures.look import OF_ESTIMATOR, Look, estimator_of, shade
 from posflock_robotarium.figures.sightings import sightings
 from posflock_robotarium.figures.style import (
     BLACK,
@@ -41,22 +42,14 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 
-class _Style(NamedTuple):
-    """How one curve of several looks."""
-
-    colour: str
-    dash: Any
-    width: float = 1.1
-
-
-_STYLES = (
-    _Style(BLUE, "-"),
-    _Style(ORANGE, (0, (4, 1.5))),
-    _Style(GREY, (0, (1, 1))),
-    _Style(GREEN, (0, (5, 1, 1, 1))),
+_LOOKS = (
+    Look(BLUE),
+    Look(ORANGE, (0, (4, 1.5))),
+    Look(GREY, (0, (1, 1))),
+    Look(GREEN, (0, (5, 1, 1, 1))),
 )
-_DOTTED = _Style(BLACK, (0, (1, 1)))
-_DASHED = _Style(BLACK, (0, (4, 1.5)))
+_DOTTED = Look(BLACK, (0, (1, 1)))
+_DASHED = Look(BLACK, (0, (4, 1.5)))
 
 
 def draw(analyses: Sequence[Analysis], folder: Path) -> list[Path]:
@@ -113,15 +106,14 @@ def alignment(analysis: Analysis) -> Figure:
     top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1])
     drawn = figures()["alignment"]
     of_gamma = [metric for metric in drawn if metric.panel is not LEFT_OUT]
-    wide = [style._replace(width=0.8 if style.colour == GREY else 1.2) for style in _STYLES]
-    # Backwards, so that the best estimate lies on top.
-    for metric, style in reversed(_styled(of_gamma, wide)):
-        _curve(top, analysis, metric, style)
+    # Backwards, so that the best estimates lie above the others.
+    for metric, look in reversed(_styled(of_gamma)):
+        _curve(top, analysis, metric, look)
     top.set(ylabel="alignment γ (–)", ylim=(None, 1.05))
     top.axhline(1.0, color=GREY, linewidth=0.5, zorder=0)
     _legend_above(top, 3, backwards=True)
-    for metric, style in reversed(_styled([m for m in drawn if m.panel is LEFT_OUT])):
-        _curve(bottom, analysis, metric, style)
+    for metric, look in reversed(_styled([m for m in drawn if m.panel is LEFT_OUT])):
+        _curve(bottom, analysis, metric, look)
     bottom.set(xlabel="time (s)", ylabel="left out (–)", ylim=(-0.05, 1.05))
     _time_axis(bottom, [analysis])
     return figure
@@ -138,9 +130,9 @@ def distances(analysis: Analysis) -> Figure:
     """
     figure = new_figure(3.5, 2.6)
     axes = figure.subplots()
-    styles = (_STYLES[0], _STYLES[1], _DOTTED, _STYLES[3])
-    for metric, style in _styled(figures()["distances"], styles):
-        _curve(axes, analysis, metric, style)
+    looks = (_LOOKS[0], _LOOKS[1], _DOTTED, _LOOKS[3])
+    for metric, look in _styled(figures()["distances"], looks):
+        _curve(axes, analysis, metric, look)
     limit = analysis.robot.collision_diameter
     axes.axhline(limit, color=GREY, linewidth=0.8)
     axes.text(
@@ -180,8 +172,8 @@ def motion(analysis: Analysis) -> Figure:
         linewidth=0,
         label="slowest to fastest",
     )
-    for metric, style in _styled(figures()["motion"], (_STYLES[0], _DASHED)):
-        _curve(axes, analysis, metric, style)
+    for metric, look in _styled(figures()["motion"], (_LOOKS[0], _DASHED)):
+        _curve(axes, analysis, metric, look)
     axes.set(xlabel="time (s)", ylabel="speed (m/s)", ylim=(0, None))
     _legend_above(axes, 3)
     _time_axis(axes, [analysis])
@@ -202,8 +194,8 @@ def curves(analysis: Analysis, name: str) -> Figure:
     figure = new_figure(3.5, 2.4)
     axes = figure.subplots()
     drawn = figures()[name]
-    for metric, style in _styled(drawn):
-        _curve(axes, analysis, metric, style)
+    for metric, look in _styled(drawn):
+        _curve(axes, analysis, metric, look)
     first = drawn[0]
     target_lines(axes, [analysis], [metric.key for metric in drawn])
     axes.set(
@@ -281,13 +273,13 @@ def overlaid(analyses: Sequence[Analysis], key: str) -> Figure:
 def _runs_over_each_other(axes: Axes, analyses: Sequence[Analysis], key: str) -> None:
     for k, analysis in enumerate(analyses):
         if key in analysis.curves:
-            style = _STYLES[k % len(_STYLES)]
-            crowded = len(analyses) > len(_STYLES)
+            look = _LOOKS[k % len(_LOOKS)]
+            crowded = len(analyses) > len(_LOOKS)
             axes.plot(
                 analysis.recording.t - analysis.recording.t[0],
                 analysis.curves[key],
-                color=GREY if crowded else style.colour,
-                linestyle="-" if crowded else style.dash,
+                color=GREY if crowded else look.colour,
+                linestyle="-" if crowded else look.dash,
                 linewidth=0.6 if crowded else 1.0,
                 alpha=0.6 if crowded else 1.0,
                 label=None if crowded else _plain(analysis.name),
@@ -328,23 +320,34 @@ def _mean_band(axes: Axes, analyses: Sequence[Analysis], key: str) -> None:
     axes.plot(grid, [s.mean for s in spreads], color=BLACK, linewidth=1.4, label="mean over runs")
 
 
-def _styled(
-    drawn: Sequence[Metric], styles: Sequence[_Style] = _STYLES
-) -> list[tuple[Metric, _Style]]:
+def _styled(drawn: Sequence[Metric], looks: Sequence[Look] = _LOOKS) -> list[tuple[Metric, Look]]:
     """Give each curve of an axes a look of its own, those of the figure first."""
-    return list(zip(drawn, cycle(dict.fromkeys([*styles, *_STYLES, _DOTTED, _DASHED]))))
+    known = {metric.key: OF_ESTIMATOR.get(estimator_of(metric.key) or "") for metric in drawn}
+    taken = {(look.colour, look.dash) for look in known.values() if look is not None}
+    free = dict.fromkeys([*looks, *_LOOKS, _DOTTED, _DASHED])
+    others = cycle([look for look in free if (look.colour, look.dash) not in taken])
+    return [(metric, known[metric.key] or next(others)) for metric in drawn]
 
 
-def _curve(axes: Axes, analysis: Analysis, metric: Metric, style: _Style) -> None:
+def _curve(axes: Axes, analysis: Analysis, metric: Metric, look: Look) -> None:
     """Plot one curve, broken at gaps."""
     if metric.key not in analysis.curves:
         return
-    gaps = analysis.recording.gaps
+    gaps, curve = analysis.recording.gaps, analysis.curves[metric.key].astype(float)
     t = np.insert(analysis.recording.t, gaps, np.nan)
-    values = np.insert(analysis.curves[metric.key].astype(float), gaps, np.nan)
+    if metric.band is not None and set(metric.band) <= set(analysis.curves):
+        low, high = (np.insert(analysis.curves[end], gaps, np.nan) for end in metric.band)
+        shade(axes, t, low, high, look)
     label = unmathematical(metric.legend or metric.label)
     axes.plot(
-        t, values, color=style.colour, linestyle=style.dash, linewidth=style.width, label=label
+        t,
+        np.insert(metric.unjoined(curve), gaps, np.nan),
+        color=look.colour,
+        linestyle=look.dash,
+        linewidth=look.width,
+        label=label,
+        # Dashes over a solid line leave both to be seen; noise lies below all.
+        zorder={"headings": 2.5, "differences": 0.5}.get(estimator_of(metric.key) or "", 2),
     )
 
 

@@ -15,11 +15,11 @@ import numpy as np
 
 from posflock_robotarium.alignment.analysis import Analysis
 from posflock_robotarium.alignment.catalogue import scalars
-from posflock_robotarium.alignment.comparison import Comparison, compare
+from posflock_robotarium.alignment.comparison import Comparison, compare, labelled
 from posflock_robotarium.alignment.fewest_runs import FEWEST_RUNS
 from posflock_robotarium.alignment.reference_errors import ErrorStatistics, ReferenceErrors
 from posflock_robotarium.report.page import write_page
-from posflock_robotarium.report.words import number_text
+from posflock_robotarium.report.words import numbers_text
 from rps_compat.whole_files import (
     atomic_write,
     listed_in,
@@ -72,6 +72,8 @@ def write_report(
         When the folder cannot be written; an earlier report in it then stays as it was.
     """
     if comparison is None and len(analyses) > 1:
+        if labels is not None:
+            analyses = labelled(analyses, labels)
         comparison = compare(analyses, labels)
     earlier = set(filter(_MANY.fullmatch, listed_in(folder / _SUMMARY)))
     with written_together(folder) as draft:
@@ -225,12 +227,16 @@ def latex_table(analyses: Sequence[Analysis], comparison: Comparison | None = No
         example = next((number for number in known if number is not None), None)
         if example is None:
             continue
-        cells = ["--" if n is None else _latex(number_text(n.value, n.unit)) for n in known]
+        spread = rows[key].overall if interval else None
+        ends = (spread.mean, spread.low, spread.high) if spread else ()
+        values = [math.nan if n is None else n.value for n in known]
+        texts = [_latex(text) for text in numbers_text([*values, *ends], example.unit)]
+        cells = ["--" if n is None else text for n, text in zip(known, texts, strict=False)]
         if interval:
-            spread = rows[key].overall
-            low, high = (number_text(v, example.unit) for v in (spread.low, spread.high))
-            ends = "" if math.isnan(spread.low) else f" [{low}, {high}]"
-            cells.append(_latex(f"{number_text(spread.mean, example.unit)}{ends}"))
+            mean, low, high = texts[-3:]
+            cells.append(
+                mean if spread is None or math.isnan(spread.low) else f"{mean} [{low}, {high}]"
+            )
         lines.append(" & ".join([_latex(example.label), *cells]) + r" \\")
     return "\n".join([*lines, r"\bottomrule", r"\end{tabular}", ""])
 

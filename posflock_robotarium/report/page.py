@@ -25,6 +25,7 @@ from posflock_robotarium.alignment.verdicts import headline
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.report.following_page import following_section
 from posflock_robotarium.report.page_data import EVENTS_SHOWN, page_data
+from posflock_robotarium.report.tables import row_texts
 from posflock_robotarium.report.words import number_text, unbroken
 from rps_compat.whole_files import write_whole
 
@@ -68,6 +69,8 @@ def render(analyses: Sequence[Analysis], comparison: Comparison | None = None) -
     environment.filters["drawing"] = _markup
     if comparison is None and len(analyses) > 1:
         comparison = compare(analyses)
+    if comparison is not None:
+        analyses = comparison.analyses
     scripts = [_asset("uPlot.iife.min.js"), _asset("report.js")]
     title = " · ".join(analysis.name for analysis in analyses[:4])
     if len(analyses) > 4:
@@ -101,6 +104,16 @@ def render(analyses: Sequence[Analysis], comparison: Comparison | None = None) -
         ],
         opened=_OPENED,
         has_neighbours=any(analysis.options.radius is not None for analysis in analyses),
+        rows=[]
+        if comparison is None
+        else [(row.label, row_texts(row, comparison.groups)) for row in comparison.rows],
+        intervals=[]
+        if comparison is None
+        else [
+            name
+            for name in comparison.groups
+            if any(row.by_label[name].low == row.by_label[name].low for row in comparison.rows)
+        ],
     )
 
 

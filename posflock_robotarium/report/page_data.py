@@ -10,7 +10,8 @@ from __future__ import annotations
 import base64
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 
 from posflock_robotarium.alignment.analysis import Analysis
 from posflock_robotarium.alignment.catalogue import Metric, Panel, metrics, panels
+from posflock_robotarium.figures.look import OF_ESTIMATOR, estimator_of
 from rps_compat.violations import FaultKind
 
 Floats = NDArray[np.float64]
@@ -110,6 +112,10 @@ class Series:
         Least, mean and greatest of the values; None where none is defined.
     values : str
         Base64 of 32-bit values on the time axis of the page, NaN where undefined.
+    look : int
+        Which colour and dash; the same for one estimator of motion in every plot.
+    band : pair of str or None
+        The lower and the upper end of its 95 % band, as the values; None where there is no band.
     """
 
     label: str
@@ -117,6 +123,8 @@ class Series:
     unit: str
     extent: tuple[float | None, float | None, float | None]
     values: str
+    look: int
+    band: tuple[str, str] | None = None
 
 
 @dataclass(frozen=True)
@@ -294,24 +302,47 @@ def _replay(analysis: Analysis, budget: int) -> Replay:
 
 
 def _plot(panel: Panel, shown: Sequence[Metric], analysis: Analysis, stride: int) -> Plot:
+    looks = _looks(shown)
     series = [
-        _series(metric.label, metric, _thinned(_unjoined(curve, metric), metric, stride))
-        for metric in shown
+        replace(
+            _series(metric.label, metric, _thinned(metric.unjoined(curve), metric, stride), look),
+            band=_band(metric, analysis, stride),
+        )
+        for metric, look in zip(shown, looks, strict=True)
         if (curve := _known_curve(analysis, metric)) is not None
     ]
     return _described(panel, panel.title, series, analysis, shown)
 
 
+def _looks(shown: Sequence[Metric]) -> list[int]:
+    """Give each curve of a plot a look of its own, those of the estimators the first three."""
+    estimators = list(OF_ESTIMATOR)
+    known = [estimator_of(metric.key) for metric in shown]
+    taken = [estimators.index(name) for name in known if name is not None]
+    others = (k for k in count() if k not in taken)
+    return [next(others) if name is None else estimators.index(name) for name in known]
+
+
+def _band(metric: Metric, analysis: Analysis, stride: int) -> tuple[str, str] | None:
+    if metric.band is None or not set(metric.band) <= set(analysis.curves):
+        return None
+    low, high = (
+        _b64(_thinned(analysis.curves[end], metric, stride).astype(np.float32))
+        for end in metric.band
+    )
+    return low, high
+
+
 def _overlay(panel: Panel, metric: Metric, analyses: Sequence[Analysis], time: Floats) -> Plot:
     series = []
-    for analysis in analyses:
+    for look, analysis in enumerate(analyses):
         curve = _known_curve(analysis, metric)
         if curve is None:
             continue
         elapsed = analysis.recording.t - analysis.recording.t[0]
         nearest = np.clip(np.searchsorted(elapsed, time), 0, len(elapsed) - 1)
         values = np.where(time <= elapsed[-1], curve[nearest], np.nan)
-        series.append(_series(analysis.name, metric, values))
+        series.append(_series(analysis.name, metric, metric.unjoined(values), look))
     label = metric.label
     title = label[0].upper() + label[1:] if label[0].isascii() else label
     return _described(panel, title, series, analyses[0], [metric])
@@ -334,22 +365,14 @@ def _described(
     return Plot(panel.key, title, panel.unit, panel.limits, lines, tuple(series))
 
 
-def _series(label: str, metric: Metric, values: Floats) -> Series:
+def _series(label: str, metric: Metric, values: Floats, look: int) -> Series:
     known = values[np.isfinite(values)]
     extent = (
         (float(known.min()), float(known.mean()), float(known.max()))
         if known.size
         else (None, None, None)
     )
-    return Series(label, metric.key, metric.unit, extent, _b64(values.astype(np.float32)))
-
-
-def _unjoined(curve: Floats, metric: Metric) -> Floats:
-    """Take out the sample at which an angle jumps by a turn, lest a line be drawn across."""
-    if metric.unit != "rad":
-        return curve
-    jump = np.abs(np.diff(curve, prepend=curve[:1])) > np.pi
-    return np.where(jump, np.nan, curve)
+    return Series(label, metric.key, metric.unit, extent, _b64(values.astype(np.float32)), look)
 
 
 def _thinned(curve: Floats, metric: Metric, stride: int) -> Floats:

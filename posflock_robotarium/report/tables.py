@@ -1,16 +1,62 @@
-"""A comparison as plain lines for the terminal."""
+"""A comparison as texts: its rows, and plain lines for the terminal."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
-from posflock_robotarium.alignment.comparison import Comparison
+from posflock_robotarium.alignment.comparison import Comparison, Row
 from posflock_robotarium.alignment.reference_errors import ErrorStatistics
-from posflock_robotarium.report.words import number_text
+from posflock_robotarium.report.words import difference_text, numbers_text
 
 WIDEST = 22
 """Letters of a run's name that a column shows."""
+
+
+@dataclass(frozen=True)
+class RowText:
+    """A row of a comparison as people read it: one unit, one number of decimals.
+
+    Attributes
+    ----------
+    values : list of str
+        Of each run.
+    means, intervals : dict of str
+        By label; an interval is empty where there are too few runs for one.
+    difference : str
+        Second label less first; empty but for two labels.
+    """
+
+    values: list[str]
+    means: dict[str, str]
+    intervals: dict[str, str]
+    difference: str
+
+
+def row_texts(row: Row, labels: Sequence[str]) -> RowText:
+    """Return the texts of a row.
+
+    Parameters
+    ----------
+    row : Row
+        One number in every run.
+    labels : sequence of str
+        The different labels, in order.
+    """
+    spreads = [row.by_label[label] for label in labels]
+    numbers = [*row.values, *(n for s in spreads for n in (s.mean, s.low, s.high))]
+    texts = numbers_text(numbers, row.unit)
+    means, intervals = {}, {}
+    for k, (label, spread) in enumerate(zip(labels, spreads, strict=True)):
+        mean, low, high = texts[len(row.values) + 3 * k :][:3]
+        means[label] = mean
+        intervals[label] = f"{low}, {high}" if spread.low == spread.low else ""
+    difference = ""
+    if len(labels) == 2:
+        first, second = spreads
+        difference = difference_text(second.mean - first.mean, numbers, row.unit)
+    return RowText(texts[: len(row.values)], means, intervals, difference)
 
 
 def comparison_table(comparison: Comparison) -> Iterator[str]:
@@ -33,19 +79,13 @@ def comparison_table(comparison: Comparison) -> Iterator[str]:
     heads += [f"{comparison.groups[1]} − {comparison.groups[0]}"] if difference else []
     rows: list[list[str]] = []
     for row in comparison.rows:
-        cells = [row.label]
-        cells += [] if several else [number_text(value, row.unit) for value in row.values]
+        told = row_texts(row, comparison.groups)
+        cells = [row.label, *([] if several else told.values)]
         for label in counted:
-            spread = row.by_label[label]
-            interval = (
-                f" [{number_text(spread.low, row.unit)}, {number_text(spread.high, row.unit)}]"
-                if spread.low == spread.low
-                else ""
-            )
-            cells.append(number_text(spread.mean, row.unit) + interval)
+            interval = told.intervals[label]
+            cells.append(told.means[label] + (f" [{interval}]" if interval else ""))
         if difference:
-            first, second = (row.by_label[label].mean for label in comparison.groups)
-            cells.append(number_text(second - first, row.unit))
+            cells.append(told.difference)
         rows.append(cells)
     widths = [max(len(cells[k]) for cells in [heads, *rows]) for k in range(len(heads))]
     for cells in [heads, *rows]:

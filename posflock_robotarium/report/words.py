@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 
 def number_text(value: float, unit: str = "") -> str:
@@ -37,6 +39,99 @@ def number_text(value: float, unit: str = "") -> str:
     if unit == "rad":
         return f"{_significant(value)} rad ({_significant(math.degrees(value))}°)"
     return f"{_significant(value)} {unit}".strip()
+
+
+def numbers_text(values: Sequence[float], unit: str = "") -> list[str]:
+    """Return numbers that are compared, in one unit and with one number of decimals.
+
+    Parameters
+    ----------
+    values : sequence of float
+        A row of a table; NaN reads as a dash.
+    unit : str
+        As of `number_text`.
+
+    Examples
+    --------
+    >>> numbers_text([0.5, 0.12345], "m")
+    ['0.500 m', '0.123 m']
+    >>> numbers_text([3, 12])
+    ['3', '12']
+    """
+    form = _form(values, unit) if len(values) > 1 else None
+    return [number_text(v, unit) if form is None else form.text(v) for v in values]
+
+
+def difference_text(difference: float, beside: Sequence[float], unit: str = "") -> str:
+    """Return how far two numbers of a row are apart, in the unit and decimals of the row.
+
+    Parameters
+    ----------
+    difference : float
+        NaN reads as a dash.
+    beside : sequence of float
+        The numbers of the row.
+    unit : str
+        As of `number_text`; shares differ by percentage points.
+
+    Examples
+    --------
+    >>> difference_text(-0.021, [0.5, 0.479], "share")
+    '−2.1 percentage points'
+    """
+    if math.isnan(difference):
+        return "–"
+    if unit == "share":
+        return f"{_Form('', 100.0, 1).text(difference)} percentage points"
+    form = _form(beside, unit)
+    return number_text(difference, unit) if form is None else form.text(difference)
+
+
+@dataclass(frozen=True)
+class _Form:
+    """How all numbers of a row are written: in which unit, and with how many decimals."""
+
+    unit: str
+    scale: float
+    decimals: int
+
+    def text(self, value: float) -> str:
+        if math.isnan(value):
+            return "–"
+        if math.isinf(value):
+            return "∞" if value > 0 else "−∞"
+        text = self._digits(self.scale * value, self.decimals)
+        if self.unit == "rad":
+            degrees = self._digits(math.degrees(value), max(0, self.decimals - 2))
+            return f"{text} rad ({degrees}°)"
+        return f"{text} {self.unit}".strip()
+
+    @staticmethod
+    def _digits(value: float, decimals: int) -> str:
+        text = f"{value:.{decimals}f}"
+        return text.lstrip("-") if float(text) == 0 else text.replace("-", "−")
+
+
+def _form(values: Sequence[float], unit: str) -> _Form | None:
+    """Return how to write a row; None where each number is best written for itself."""
+    sizes = [abs(float(v)) for v in values if math.isfinite(v) and v != 0]
+    if unit == "share" or not sizes or max(sizes) >= 1e5 or max(sizes) < 1e-4:
+        return None
+    if unit == "m" and max(sizes) < 0.01:
+        return _Form("mm", 1e3, _decimals([1e3 * size for size in sizes]))
+    return _Form(unit, 1.0, _decimals(sizes))
+
+
+def _decimals(sizes: Sequence[float]) -> int:
+    """Return decimals that show three digits of the least, but hardly more of the greatest."""
+    if all(size.is_integer() for size in sizes):
+        return 0
+    if any(0.9995 <= size < 1 for size in sizes):
+        return 6  # γ close to 1: the nines are the message
+    least, greatest = (
+        max(0, 2 - math.floor(math.log10(size))) for size in (min(sizes), max(sizes))
+    )
+    return min(least, greatest + 1)
 
 
 def _significant(value: float) -> str:

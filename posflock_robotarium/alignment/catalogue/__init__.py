@@ -42,6 +42,7 @@ from posflock_robotarium.alignment.catalogue import (  # noqa: F401
     walls,
     certificate,
     confidence,
+    gamma_bands,
     sightings,
 )
 # isort: on

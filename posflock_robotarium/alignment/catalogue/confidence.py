@@ -9,8 +9,14 @@ from posflock_robotarium.alignment.measured_run import MeasuredRun
 from posflock_robotarium.alignment.metric_registry import Scalar, register
 
 
-def _noise(run: MeasuredRun) -> TrackingNoise:
-    """Return the noise, and its effect at the median speed of the robots that move."""
+def noise_of(run: MeasuredRun) -> TrackingNoise:
+    """Return the noise, and its effect at the median speed of the robots that move.
+
+    Parameters
+    ----------
+    run : MeasuredRun
+        The run; ask by ``run.once(noise_of)``.
+    """
     moving = run.speeds[run.settled]
     moving = moving[np.isfinite(moving) & (moving > run.options.slowest)]
     speed = float(np.median(moving)) if moving.size else 0.0
@@ -46,7 +52,7 @@ register(
         "m",
         "Standard deviation of each coordinate around local quadratics, measured in this log.",
         "Confidence",
-        lambda run: run.once(_noise).position,
+        lambda run: run.once(noise_of).position,
     ),
     Scalar(
         "noise_heading",
@@ -54,7 +60,7 @@ register(
         "rad",
         "The same for headings.",
         "Confidence",
-        lambda run: run.once(_noise).heading,
+        lambda run: run.once(noise_of).heading,
     ),
     Scalar(
         "noise_course",
@@ -63,7 +69,7 @@ register(
         "Standard deviation that this noise gives the Savitzky-Golay direction of a robot at "
         "the median speed of those that move.",
         "Confidence",
-        lambda run: run.once(_noise).course,
+        lambda run: run.once(noise_of).course,
     ),
     Scalar(
         "gamma_bias",
@@ -71,7 +77,7 @@ register(
         "",
         "1 - exp(-σ²) with that error σ: what perfectly parallel robots would lose.",
         "Confidence",
-        lambda run: expected_bias(run.once(_noise).course),
+        lambda run: expected_bias(run.once(noise_of).course),
     ),
     Scalar(
         "heading_offset",

@@ -124,6 +124,7 @@ register(
         figure="alignment",
         legend="motion",
         beside_replay=True,
+        band=("gamma_motion_low", "gamma_motion_high"),
         numbers=(_gamma_number("motion", "motion (Savitzky-Golay)", "γ motion"),),
     ),
     Metric(
@@ -149,6 +150,7 @@ register(
         figure="alignment",
         legend="headings",
         beside_replay=True,
+        band=("gamma_headings_low", "gamma_headings_high"),
         numbers=(_gamma_number("headings", "headings", "γ headings"),),
     ),
     Metric(
@@ -173,6 +175,7 @@ register(
         panel=ALIGNMENT,
         figure="alignment",
         legend="raw differences",
+        band=("gamma_differences_low", "gamma_differences_high"),
         numbers=(_gamma_number("differences", "raw differences"),),
     ),
     Metric(

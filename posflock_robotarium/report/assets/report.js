@@ -212,6 +212,7 @@ let quiet = false; // while we move cursors and scales ourselves, their hooks st
 const tones = ["c0", "c1", "c2", "c3", "c4", "c5"];
 const dashes = [[], [7, 3], [2, 3], [9, 3, 2, 3], [4, 2], [1, 2]];
 const style = (k) => (k + Math.floor(k / 6)) % 6; // a seventh run has the first colour, but another dash
+const faint = (hex) => `${hex}38`; // a band: its curve's colour, seen through
 
 /* A null before each gap, so that no line is drawn across it. */
 const breaks = data.gaps || [];
@@ -246,26 +247,32 @@ const indexAt = (time) => {
 
 function build(panel) {
   const raw = panel.series.map((series) => floats(series.values));
-  const columns = raw.map((values) => source.map((k) => (k < 0 || !isFinite(values[k]) ? null : values[k])));
+  const known = (values) => source.map((k) => (k < 0 || !isFinite(values[k]) ? null : values[k]));
+  const columns = raw.map(known);
+  // The ends of bands are curves that are not drawn, after those that are: upper, lower.
+  const banded = panel.series.map((series, k) => (series.band ? k : -1)).filter((k) => k >= 0);
+  const ends = banded.flatMap((k) => [known(floats(panel.series[k].band[1])), known(floats(panel.series[k].band[0]))]);
+  const upper = (k) => 1 + columns.length + 2 * banded.indexOf(k);
   const figure = document.createElement("figure");
   const caption = document.createElement("figcaption");
   const title = document.createElement("span");
   title.textContent = panel.title;
   const unit = document.createElement("span");
-  unit.className = "unit"; unit.textContent = panel.unit;
+  unit.className = "unit"; unit.textContent = [panel.unit, banded.length ? "shaded: 95 % band without tracking noise" : ""].filter(Boolean).join(", ");
   caption.append(title, unit);
   const legend = document.createElement("ul");
   legend.className = "legend";
   const values = panel.series.map((series, k) => {
     const item = document.createElement("li"), button = document.createElement("button"), value = document.createElement("b");
     button.type = "button"; button.setAttribute("aria-pressed", "true");
-    const line = `<svg viewBox="0 0 22 6" aria-hidden="true"><line x1="0" y1="3" x2="22" y2="3" stroke="var(--${tones[k % 6]})" stroke-width="2.4" stroke-dasharray="${dashes[style(k)].join(" ")}"/></svg>`;
+    const line = `<svg viewBox="0 0 22 6" aria-hidden="true"><line x1="0" y1="3" x2="22" y2="3" stroke="var(--${tones[series.look % 6]})" stroke-width="2.4" stroke-dasharray="${dashes[style(series.look)].join(" ")}"/></svg>`;
     button.insertAdjacentHTML("afterbegin", line);
     button.append(series.label, value);
     button.addEventListener("click", () => {
       const show = button.getAttribute("aria-pressed") !== "true";
       button.setAttribute("aria-pressed", String(show));
       plot.setSeries(k + 1, { show });
+      if (series.band) for (const end of [upper(k), upper(k) + 1]) plot.setSeries(end, { show });
     });
     item.append(button); legend.append(item);
     return value;
@@ -277,6 +284,13 @@ function build(panel) {
   figure.append(caption, legend, holder);
   $("plots").append(figure);
 
+  /* Where an angle jumps by a turn there is a null; a pixel that holds samples of both sides would join them all the same. */
+  const turns = (u, column, first, last, gaps) => {
+    const all = [...gaps], half = 2 * devicePixelRatio;
+    for (let i = first; i <= last; i++) if (column[i] === null) { const x = u.valToPos(axis[i], "x", true); all.push([x - half, x + half]); }
+    all.sort((a, b) => a[0] - b[0]);
+    return all.reduce((joined, gap) => { const end = joined[joined.length - 1]; if (end && gap[0] <= end[1]) end[1] = Math.max(end[1], gap[1]); else joined.push([...gap]); return joined; }, []);
+  };
   const pen = () => colour.soft;
   const options = {
     width: Math.max(200, holder.clientWidth), height: 168,
@@ -299,10 +313,12 @@ function build(panel) {
       { stroke: pen, grid: { stroke: () => colour.line, width: 1 }, ticks: { show: false }, size: 26, font: "11.5px system-ui, sans-serif", values: (u, splits) => splits.map((v) => `${+v.toFixed(3)} s`) },
       { stroke: pen, grid: { stroke: () => colour.line, width: 1 }, ticks: { show: false }, size: 46, font: "11.5px system-ui, sans-serif", space: 26, values: (u, splits) => splits.map((v) => String(+v.toFixed(4)).replace("-", "−")) },
     ],
-    cursor: { y: false, drag: { x: true, y: false, setScale: true, dist: 6 }, points: { size: 6 }, bind: { dblclick: (u, target, handler) => (event) => { zoom(null); return null; } } },
+    cursor: { y: false, points: { size: 6, show: (u, k) => k <= columns.length && (() => { const dot = document.createElement("div"); dot.className = "u-cursor-pt"; return dot; })() }, drag: { x: true, y: false, setScale: true, dist: 6 }, bind: { dblclick: (u, target, handler) => (event) => { zoom(null); return null; } } },
     series: [{}, ...panel.series.map((series, k) => ({
-      label: series.label, stroke: () => colour[tones[k % 6]], width: 1.7, dash: dashes[style(k)], spanGaps: false, points: { show: false },
-    }))],
+      label: series.label, stroke: () => colour[tones[series.look % 6]], width: 1.7, dash: dashes[style(series.look)], spanGaps: false, points: { show: false },
+      ...(series.unit === "rad" ? { gaps: (u, k, first, last, gaps) => turns(u, u.data[k], first, last, gaps) } : {}),
+    })), ...ends.map(() => ({ width: 0, spanGaps: false, points: { show: false } }))],
+    bands: banded.map((k) => ({ series: [upper(k), upper(k) + 1], fill: () => faint(colour[tones[panel.series[k].look % 6]]) })),
     hooks: {
       setCursor: [(u) => { if (!quiet && !state.playing && u.cursor.left >= 0) seek(timeAt(u.posToVal(u.cursor.left, "x")), { from: u }); }],
       setScale: [(u, key) => { if (!quiet && key === "x" && u.scales.x.min !== null) zoom([u.scales.x.min, u.scales.x.max], u); }],
@@ -321,10 +337,10 @@ function build(panel) {
       }],
     },
   };
-  const plot = new uPlot(options, [drawn, ...columns], holder);
+  const plot = new uPlot(options, [drawn, ...columns, ...ends], holder);
   plot.over.addEventListener("click", (event) => seek(timeAt(plot.posToVal(event.offsetX, "x")), { from: plot, speak: true }));
   plot.over.addEventListener("pointermove", (event) => { if (event.pointerType === "touch") seek(timeAt(plot.posToVal(event.offsetX, "x")), { from: plot }); });
-  plots.push({ plot, holder, panel, columns, values });
+  plots.push({ plot, holder, panel, columns, values, band: (k, index) => (panel.series[k].band ? [ends[upper(k) - columns.length][index], ends[upper(k) - columns.length - 1][index]] : null) });
 }
 /* The drive to the start is no part of the experiment: its time is shaded. */
 function drawDrive(u, c) {
@@ -363,11 +379,12 @@ function nowItems() {
   if (many) return [];
   const index = indexAt(state.time), items = [];
   for (const { key, label, unit } of data.beside_replay)
-    for (const { panel, columns } of plots)
+    for (const { panel, columns, band } of plots)
       panel.series.forEach((series, k) => {
         if (series.key === key) {
-          const value = columns[k][index];
-          items.push({ label, text: value === null ? "undefined" : `${number(value)} ${unit}`.trim() });
+          const value = columns[k][index], ends = band(k, index);
+          const sure = ends && ends[0] !== null ? `${number(ends[0])} to ${number(ends[1])}` : "";
+          items.push({ label, sure, text: value === null ? "undefined" : `${number(value)} ${unit}`.trim() });
         }
       });
   return items;
@@ -380,6 +397,7 @@ function showNow() {
   items.forEach((item, k) => {
     nowList.children[k].children[0].textContent = item.label;
     nowList.children[k].children[1].textContent = item.text;
+    if (item.sure) { const sure = document.createElement("span"); sure.className = "sure"; sure.textContent = item.sure; sure.title = "95 % band without tracking noise"; nowList.children[k].children[1].append(sure); }
   });
 }
 
@@ -440,6 +458,26 @@ function resize() {
   for (const { plot, holder } of plots) plot.setSize({ width: Math.max(200, holder.clientWidth), height: 168 });
   seek(state.time);
 }
+/* On paper all sections are open, everything is light, and curves are drawn for the width they get there. */
+const PRINTED = 480;
+let before = null;
+addEventListener("beforeprint", () => {
+  if (before) return;
+  const closed = [...document.querySelectorAll("details:not([open])")];
+  before = { closed, chosen };
+  for (const section of closed) section.open = true;
+  chosen = "light";
+  repaint();
+  for (const { plot } of plots) plot.setSize({ width: PRINTED, height: 168 });
+});
+addEventListener("afterprint", () => {
+  if (!before) return;
+  for (const section of before.closed) section.open = false;
+  chosen = before.chosen;
+  before = null;
+  repaint();
+  resize();
+});
 data.panels.forEach(build);
 marks();
 sizeArena();
