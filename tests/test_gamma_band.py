@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from posflock_robotarium.alignment.band_truth import FLOCKS, clean_flock, coverage, noisy
-from posflock_robotarium.alignment.estimators import noise_persistence, velocity_gain
 from posflock_robotarium.alignment.gamma_band import gamma_band, of_headings, of_motion
 from posflock_robotarium.alignment.truth import known_flock
+from posflock_robotarium.alignment.velocity_noise import noise_persistence, velocity_gain
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.report import analyse
 

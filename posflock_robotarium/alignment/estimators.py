@@ -114,73 +114,6 @@ def estimate(recording: Run, estimator: str, window: float = WINDOW) -> Motion:
     )
 
 
-def velocity_gain(recording: Run, estimator: str, window: float = WINDOW) -> Floats:
-    """Return what an estimator makes of noise: deviation of a velocity per deviation of a position.
-
-    Parameters
-    ----------
-    recording : Run
-        Poses over time.
-    estimator : {'savitzky_golay', 'differences'}
-        Which one.
-    window : float
-        Seconds of the Savitzky-Golay window.
-
-    Returns
-    -------
-    (T,) array
-        1/s; larger at both ends of a stretch, where the window lies to one side.
-    """
-    gain = np.full(len(recording.t), np.nan)
-    points = 2 if estimator == "differences" else window_points(recording.step, window)
-    for segment in recording.segments:
-        t = recording.t[segment]
-        width = min(points, len(t) - 1 + len(t) % 2)
-        if width >= 3:
-            gain[segment] = np.sqrt(np.square(_fit_weights(t, width)[1]).sum(axis=1))
-        elif len(t) >= 2:
-            steps = np.diff(t)
-            gain[segment] = np.sqrt(2.0) / np.concatenate([steps[:1], steps])
-    return gain
-
-
-def noise_persistence(recording: Run) -> float:
-    r"""Return how much noise seems to grow from neighbouring frames to every third one.
-
-    It is 1 where each frame has a noise of its own. Poses that were filtered or interpolated, or
-    whose noise drifts, carry it over from frame to frame: then what it does to a velocity cannot
-    be known. Noise is told by third differences, which motion hardly has; those of independent
-    noise have variance :math:`20 \sigma^2` whichever frames they are of.
-
-    Parameters
-    ----------
-    recording : Run
-        Poses over time.
-
-    Returns
-    -------
-    float
-        NaN where no stretch is long enough.
-    """
-    near, far, weight = [], [], []
-    for segment in recording.segments:
-        p = recording.poses[segment, :2]
-        if len(p) >= 20:
-            widely = np.square(p[9:] - 3 * p[6:-3] + 3 * p[3:-6] - p[:-9])
-            closely = np.square(np.diff(p, 3, axis=0))
-            # Of robots that are not seen throughout, what is seen.
-            if (known := np.isfinite(widely)).any():
-                far.append(float(np.median(widely[known])))
-                near.append(float(np.median(closely[np.isfinite(closely)])))
-                weight.append(int(known.sum()))
-    if not near:
-        return float("nan")
-    closest, widest = (float(np.average(found, weights=weight)) for found in (near, far))
-    if closest <= 0:
-        return 1.0 if widest <= 0 else float("inf")
-    return float(np.sqrt(widest / closest))
-
-
 def window_points(step: float, window: float) -> int:
     """Return the odd number of samples (at least 3) nearest to a window.
 
@@ -282,20 +215,27 @@ def _savitzky_golay(t: Floats, positions: Floats, points: int) -> Floats:
     step = _even_step(t)
     if step is not None:
         return smoothed_velocities(positions, step, points)
-    return _weighted(positions, *_fit_weights(t, points)[1:])
+    return _weighted(positions, *fit_weights(t, points)[1:])
 
 
-def _fit_weights(t: Floats, points: int) -> tuple[Floats, Floats, NDArray[np.intp]]:
+def fit_weights(t: Floats, points: int) -> tuple[Floats, Floats, NDArray[np.intp]]:
     """Return what a quadratic fitted around each sample makes of the samples in its window.
 
     Savitzky and Golay's filter for times that are not evenly spaced: loops that now and then miss
     their slot are common on the testbed.
 
+    Parameters
+    ----------
+    t : (T,) array
+        Times, s.
+    points : int
+        Samples in each window, odd.
+
     Returns
     -------
-    value, slope : ndarray, shape (T, points)
+    value, slope : (T, points) array
         Weights whose sum with the window's samples is the fit's value, or its derivative.
-    start : ndarray of int, shape (T,)
+    start : (T,) array of int
         Where each window begins (windows are shifted inwards at both ends).
     """
     half = points // 2
@@ -366,7 +306,7 @@ def tracking_noise(recording: Run, speed: float, window: float = WINDOW) -> Trac
         if len(t) < points:
             continue
         own = samples[rows][:, :, columns]
-        value, _, start = _fit_weights(t, points)
+        value, _, start = fit_weights(t, points)
         residual = own - _weighted(own, value, start)
         inner = slice(points // 2, len(t) - points // 2)
         centre = value[inner, points // 2]
@@ -374,7 +314,7 @@ def tracking_noise(recording: Run, speed: float, window: float = WINDOW) -> Trac
         # The median forgives the few samples where a robot really jerks.
         variances.append((np.median(scaled, axis=0) / _MEDIAN_OF_CHI2).mean(axis=1))
         # As wide as the estimator's own window; at the ends of a stretch slopes are less sure.
-        slopes.append(float((_fit_weights(t, own_points)[1] ** 2).sum(axis=1).mean()))
+        slopes.append(float((fit_weights(t, own_points)[1] ** 2).sum(axis=1).mean()))
         weight.append(len(t))
         robots.append(len(columns))
     if not variances:

@@ -106,7 +106,6 @@ def alignment(analysis: Analysis) -> Figure:
     top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1])
     drawn = figures()["alignment"]
     of_gamma = [metric for metric in drawn if metric.panel is not LEFT_OUT]
-    # Backwards, so that the best estimates lie above the others.
     for metric, look in reversed(_styled(of_gamma)):
         _curve(top, analysis, metric, look)
     top.set(ylabel="alignment γ (–)", ylim=(None, 1.05))
@@ -338,15 +337,13 @@ def _curve(axes: Axes, analysis: Analysis, metric: Metric, look: Look) -> None:
     if metric.band is not None and set(metric.band) <= set(analysis.curves):
         low, high = (np.insert(analysis.curves[end], gaps, np.nan) for end in metric.band)
         shade(axes, t, low, high, look)
-    label = unmathematical(metric.legend or metric.label)
     axes.plot(
         t,
         np.insert(metric.unjoined(curve), gaps, np.nan),
         color=look.colour,
         linestyle=look.dash,
         linewidth=look.width,
-        label=label,
-        # Dashes over a solid line leave both to be seen; noise lies below all.
+        label=unmathematical(metric.legend or metric.label),
         zorder={"headings": 2.5, "differences": 0.5}.get(estimator_of(metric.key) or "", 2),
     )
 

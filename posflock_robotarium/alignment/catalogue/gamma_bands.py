@@ -12,7 +12,7 @@ import numpy as np
 
 from posflock_robotarium.alignment.catalogue.confidence import noise_of
 from posflock_robotarium.alignment.catalogue.gamma import alignment_of, least_speed
-from posflock_robotarium.alignment.estimators import PERSISTENT, noise_persistence, velocity_gain
+from posflock_robotarium.alignment.estimators import PERSISTENT
 from posflock_robotarium.alignment.gamma_band import (
     LARGEST_ERROR,
     Band,
@@ -22,6 +22,7 @@ from posflock_robotarium.alignment.gamma_band import (
 )
 from posflock_robotarium.alignment.measured_run import CurveFunction, Floats, MeasuredRun
 from posflock_robotarium.alignment.metric_registry import Metric, Scalar, register
+from posflock_robotarium.alignment.velocity_noise import noise_persistence, velocity_gain
 
 NEGLIGIBLE = 5e-5
 """Metres of noise that move γ by 1e-5 at 0.05 m/s, however they are carried over."""
