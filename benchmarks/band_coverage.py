@@ -11,7 +11,7 @@ import sys
 
 import numpy as np
 
-from posflock_robotarium.alignment.band_truth import FLOCKS, Coverage, clean_flock, coverage
+from posflock_robotarium.alignment.band_truth import FLOCKS, BandCoverage, clean_flock, coverage
 
 ROBOTS = (4, 10, 20)
 #: Position noise (m), heading noise (rad) and speed (m/s).
@@ -20,7 +20,7 @@ NAMES = {"motion": "Savitzky-Golay", "headings": "headings", "differences": "raw
 LEAST, MOST = 0.93, 0.97
 
 
-def cell(found: list[Coverage]) -> str:
+def cell(found: list[BandCoverage]) -> str:
     """Return coverage over all numbers of robots, least to greatest."""
     held = [each.held for each in found if np.isfinite(each.held)]
     if not held:

@@ -67,7 +67,7 @@ def test_every_page_with_a_fence_names_its_language():
 
 
 #: Languages of fences: commands, examples, and files that a command beside them takes.
-SHOWN = {"```sh", "```console", "```python", "```py", "```toml"}
+SHOWN = {"```sh", "```console", "```python", "```py", "```toml", "```text"}
 
 
 def run_page(page: Path, folder: Path) -> None:

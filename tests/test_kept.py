@@ -19,7 +19,8 @@ pytestmark = pytest.mark.skipif(not Path("/proc").exists(), reason="looks at pro
 
 #: Makes a folder, and starts processes of all kinds: held, told of the folder, forked.
 OWNER = """
-import os, subprocess, sys, time
+import os, signal, subprocess, sys, time
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # ignored where the tests run under nohup
 from rps_compat.containment.keeper import ProcessOrder
 from rps_compat.containment.kept import KeptFolder, KeptProcess
 kept = KeptFolder("test")

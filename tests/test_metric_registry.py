@@ -156,7 +156,7 @@ def test_a_key_is_given_once(team):
     [
         ({"key": "team speed"}, "expected letters, digits and underscores"),
         ({"figure": "../team"}, "expected a plain file name"),
-        ({"figure": "snapshots"}, "other than snapshots and runs"),
+        ({"figure": "snapshots"}, "other than snapshots, runs, sightings"),
         ({"of_interest": "least"}, "'least'; expected one of mean, smallest, largest"),
     ],
 )

@@ -268,7 +268,10 @@ def test_what_is_hidden_is_noted_where_somebody_needs_it(home, way):
     assert "wave.py" not in told, "nobody has asked for it"
 
 
-def test_nothing_is_changed_where_nothing_is_hidden(home):
+def test_nothing_is_changed_where_nothing_is_hidden(home, monkeypatch):
+    project = Path(__file__).parents[1]  # on the path of tests alone; its setup.py hides a name
+    path = [entry for entry in sys.path if Path(entry).resolve() != project]
+    monkeypatch.setattr(sys, "path", path)
     write(home, helper="")
     text = (
         "import builtins, importlib, helper\n"

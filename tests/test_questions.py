@@ -223,12 +223,3 @@ def test_the_command_says_what_it_asked(tmp_path, monkeypatch):
         CliRunner().invoke(
             app, ["report", "run.npz", "--questions", "flock"], catch_exceptions=False
         )
-
-
-def test_an_option_after_the_scripts_name_is_said_to_go_to_the_script(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("rps_compat.process.run_and_tell", lambda *_: 0)
-    for text, told in (("x = 1\n", True), ("import sys\nprint(sys.argv)\n", False)):
-        (tmp_path / "script.py").write_text(text)
-        result = CliRunner().invoke(app, ["run", "script.py", "-o", "out", "--mine"])
-        assert ("-o stands after the script's name" in result.output) is told

@@ -172,7 +172,8 @@ def test_counter_movers_cancel_in_polarisation_but_not_in_alignment():
 def test_the_table_in_the_documentation_is_the_table_measured(table):
     page = (Path(__file__).parents[1] / "docs" / "report.md").read_text()
     rows = [line.strip("| ").split(" | ") for line in page.splitlines() if line.startswith("| ")]
-    rows = [row for row in rows if row[0] in MOTIONS]
+    # The speeds alone: the table of bands tells of the same motions.
+    rows = [row for row in rows if row[0] in MOTIONS and row[1] in ("0", "0.05", "0.1", "0.2")]
     assert len(rows) == 13
     for motion, speed, truth, *cells in rows:
         found = [table[motion, float(speed), e] for e in ("headings", "motion", "differences")]

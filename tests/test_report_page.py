@@ -263,4 +263,4 @@ def test_a_folder_that_cannot_be_written(tmp_path, analysis):
     with pytest.raises(OutputError, match="file"):
         write_report([analysis], tmp_path / "file")
     with pytest.raises(OutputError):
-        write_page([analysis], tmp_path / "nowhere" / "page.html")
+        write_page([analysis], tmp_path / "file" / "page.html")

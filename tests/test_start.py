@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from posflock_robotarium.cli import app
 from posflock_robotarium.examples import NINE_ROBOTS, copy_examples, example_files
 from posflock_robotarium.flocking.errors import OutputError, ParameterError
-from posflock_robotarium.new_script import Experiment, write_script
+from posflock_robotarium.new_script import ExperimentKind, write_script
 from rps_compat.run_settings import RunSettings
 from rps_compat.runner import run_script
 
@@ -74,7 +74,7 @@ def test_a_notebook_runs_from_top_to_bottom(tmp_path):
 # --- A script of one's own ----------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("experiment", Experiment)
+@pytest.mark.parametrize("experiment", ExperimentKind)
 def test_a_new_script_runs_logs_itself_and_its_metric_reads_the_log(experiment, tmp_path):
     script, metric, readme = write_script("mine", experiment, tmp_path)
     short = script.read_text().replace(f"DURATION = {experiment.kind.duration}", "DURATION = 3.0")
@@ -93,7 +93,7 @@ def test_a_new_script_runs_logs_itself_and_its_metric_reads_the_log(experiment, 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("experiment", Experiment)
+@pytest.mark.parametrize("experiment", ExperimentKind)
 def test_a_new_script_passes_verify_and_does_what_it_is_for(experiment, tmp_path):
     script, metric, _ = write_script("mine", experiment, tmp_path)
     posflock = [sys.executable, "-m", "posflock_robotarium"]
@@ -107,12 +107,12 @@ def test_a_new_script_passes_verify_and_does_what_it_is_for(experiment, tmp_path
         cwd=metric.parent, capture_output=True, text=True, check=True,
     ).stdout.split()  # fmt: skip
     first, last = map(float, values)
-    assert last > 0.95 if experiment is Experiment.FLOCKING else last < 0.75 * first
+    assert last > 0.95 if experiment is ExperimentKind.FLOCKING else last < 0.75 * first
 
 
 def test_a_new_script_is_what_our_own_style_asks_for(tmp_path):
     pytest.importorskip("ruff", reason="only developers have it")
-    for experiment in Experiment:
+    for experiment in ExperimentKind:
         write_script(f"my_{experiment.name.lower()}", experiment, tmp_path)
     ruff = [sys.executable, "-m", "ruff"]
     settings = ["--config", str(EXPERIMENTS.parent / "pyproject.toml"), "--no-cache"]
@@ -129,13 +129,13 @@ def test_a_new_script_is_what_our_own_style_asks_for(tmp_path):
 )  # fmt: skip
 def test_names_that_no_script_can_have(name, why, tmp_path):
     with pytest.raises(ParameterError, match=why):
-        write_script(name, Experiment.FLOCKING, tmp_path)
+        write_script(name, ExperimentKind.FLOCKING, tmp_path)
     assert not list(tmp_path.iterdir())
 
 
 def test_a_new_script_never_overwrites(tmp_path):
-    write_script("mine", Experiment.COVERAGE, tmp_path)
+    write_script("mine", ExperimentKind.COVERAGE, tmp_path)
     with pytest.raises(OutputError, match="is there already"):
-        write_script("mine", Experiment.FLOCKING, tmp_path)
+        write_script("mine", ExperimentKind.FLOCKING, tmp_path)
     with pytest.raises(ParameterError, match="none of flocking, formation"):
         CliRunner().invoke(app, ["new", "x", "--kind", "milling"], catch_exceptions=False)

@@ -232,7 +232,7 @@ def test_absurd_numbers_in_a_profile_are_refused_by_name(text, named):
 def test_nothing_of_another_study_stays(tmp_path, monkeypatch):
     """Not even where the second one is ended before it has computed anything."""
     path, out = tmp_path / "study.toml", tmp_path / "out"
-    command = ["sweep", str(path), "-o", str(out), "--workers", "1"]
+    command = ["sweep", str(path), "-o", str(out), "--jobs", "1"]
 
     def names():
         return {p.relative_to(out).as_posix() for p in out.rglob("*") if "store" not in p.parts}

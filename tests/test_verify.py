@@ -181,7 +181,7 @@ def test_a_report_is_the_same_data_in_json_and_html(tmp_path, fork_server):
     assert len(said["trials"]) == 3
     text = page.read_text()
     assert "FAIL" in text
-    assert text.count("<circle") == 3
+    assert text.count("<circle") + text.count("<rect x") == 3
 
 
 def test_a_page_quotes_what_a_script_says_and_does_not_run_it():

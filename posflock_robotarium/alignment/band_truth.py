@@ -111,7 +111,7 @@ def noisy(run: Run, position_noise: float, heading_noise: float, *, seed: int = 
 
 
 @dataclass(frozen=True)
-class Coverage:
+class BandCoverage:
     """How often bands held the truth.
 
     Attributes
@@ -134,7 +134,7 @@ class Coverage:
 
 def coverage(
     clean: Run, position_noise: float, heading_noise: float, *, repeats: int = 6, seed: int = 0
-) -> dict[str, Coverage]:
+) -> dict[str, BandCoverage]:
     """Return the coverage of each estimator's band for one flock.
 
     Parameters
@@ -157,7 +157,7 @@ def coverage(
     return {estimator: _coverage(truth, seen, f"gamma_{estimator}") for estimator in ESTIMATORS}
 
 
-def _coverage(truth: MeasuredRun, seen: list[MeasuredRun], key: str) -> Coverage:
+def _coverage(truth: MeasuredRun, seen: list[MeasuredRun], key: str) -> BandCoverage:
     gamma = truth.curve(key)
     assert gamma is not None
     held, width, samples = [], [], 0
@@ -173,8 +173,8 @@ def _coverage(truth: MeasuredRun, seen: list[MeasuredRun], key: str) -> Coverage
     together = np.concatenate(held) if held else np.empty(0)
     if not together.size:
         nan = float("nan")
-        return Coverage(nan, 0.0, nan, float(np.nanmean(gamma)))
-    return Coverage(
+        return BandCoverage(nan, 0.0, nan, float(np.nanmean(gamma)))
+    return BandCoverage(
         float(together.mean()),
         together.size / samples,
         float(np.concatenate(width).mean()),

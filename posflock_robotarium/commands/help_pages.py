@@ -116,7 +116,7 @@ def shell_lines(command: str, width: int) -> "Iterator[str]":
     Examples
     --------
     >>> list(shell_lines("posflock report results/nine_robots.npy -o report", 42))
-    ['posflock report results/nine_robots.npy \\\\', '    -o report']
+    ['posflock report results/nine_robots.npy \\', '    -o report']
     """
     line = ""
     for words in _kept_together(command.split()):

@@ -73,12 +73,12 @@ def new(
         posflock new my_cover --kind coverage -o experiments
     """
     from posflock_robotarium.flocking.errors import ParameterError
-    from posflock_robotarium.new_script import Experiment, write_script
+    from posflock_robotarium.new_script import ExperimentKind, write_script
 
-    known = [experiment.value for experiment in Experiment]
+    known = [experiment.value for experiment in ExperimentKind]
     if kind not in known:
         raise ParameterError(f"--kind {kind!r} is none of {', '.join(known)}")
-    script, *others = write_script(name, Experiment(kind), out)
+    script, *others = write_script(name, ExperimentKind(kind), out)
     for path in (script, *others):
         say(str(path))
     say(f"next: cd {script.parent}; posflock verify {script.name}")

@@ -19,7 +19,7 @@ from rps_compat.whole_files import write_whole, written_together
 
 
 @dataclass(frozen=True)
-class Kind:
+class KindOfScript:
     """What a kind of experiment tells of itself.
 
     Attributes
@@ -51,7 +51,7 @@ class Kind:
     law: str = "`desired`, at the bottom of the script"
 
 
-class Experiment(str, Enum):
+class ExperimentKind(str, Enum):
     """The kinds of experiment that there are."""
 
     FLOCKING = "flocking"
@@ -60,13 +60,13 @@ class Experiment(str, Enum):
     SWARM_SWAP = "swarm-swap"
 
     @property
-    def kind(self) -> Kind:
+    def kind(self) -> KindOfScript:
         """What it tells of itself."""
         return _KINDS[self]
 
 
 _KINDS = {
-    Experiment.FLOCKING: Kind(
+    ExperimentKind.FLOCKING: KindOfScript(
         "Flocking: six robots align without measuring any velocity.",
         6,
         90.0,
@@ -75,7 +75,7 @@ _KINDS = {
         "The length of the mean heading: 1 where all look one way, 0 where they cancel.",
         law="`LAW` with `Flock`; `posflock_robotarium.flocking.law` has it as pure functions",
     ),
-    Experiment.FORMATION: Kind(
+    ExperimentKind.FORMATION: KindOfScript(
         "Formation: six robots take their places in a hexagon.",
         6,
         60.0,
@@ -85,7 +85,7 @@ _KINDS = {
         shared="METRIC, PLACES, UNIT, metric",
         given="places",
     ),
-    Experiment.COVERAGE: Kind(
+    ExperimentKind.COVERAGE: KindOfScript(
         "Coverage: six robots spread over the arena.",
         6,
         60.0,
@@ -95,7 +95,7 @@ _KINDS = {
         shared="GRID, METRIC, UNIT, metric, nearest_robot",
         given="weight",
     ),
-    Experiment.SWARM_SWAP: Kind(
+    ExperimentKind.SWARM_SWAP: KindOfScript(
         "Swap: six robots on a circle change places with who is opposite.",
         6,
         90.0,
@@ -108,14 +108,14 @@ _KINDS = {
 }
 
 
-def write_script(name: str, experiment: Experiment, folder: Path) -> list[Path]:
+def write_script(name: str, experiment: ExperimentKind, folder: Path) -> list[Path]:
     """Write a new experiment into a folder of its own; return the files, the script first.
 
     Parameters
     ----------
     name : str
         Of the script, without an ending; a name as Python has them.
-    experiment : Experiment
+    experiment : ExperimentKind
         Which kind.
     folder : Path
         Where the folder, called `name`, is made.

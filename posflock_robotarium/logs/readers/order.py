@@ -52,7 +52,7 @@ def one_row_a_time(found: Found) -> Found:
     t = found.t
     if t is None or len(t) != len(found.poses) or len(t) < 3:
         return found
-    again = np.concatenate([np.diff(t) == 0, [False]])
+    again = np.concatenate([t[1:] == t[:-1], [False]])  # a difference of infinities is no number
     if not again.any() or again.mean() > _FEW:
         return found
     told = f"{int(again.sum())} rows at the time of the next one are left out"
