@@ -18,7 +18,7 @@ from posflock_robotarium.report import AnalysisOptions, Run, analyse
 #: What is said of each number, in the order of the summary table.
 AGREED = json.loads((Path(__file__).parent / "golden" / "metric_catalogue.json").read_text("utf-8"))
 NUMBERS = AGREED["numbers"]
-#: What only logs with a real time tell, or what was printed beside them, or robots that were unseen.
+#: What only logs with a real time, with what was printed beside them, or with unseen robots tell.
 OF_SOME_LOGS = {
     "robots_seen", "longest_unseen", "gamma_unseen",
     "real_duration", "step_mean", "step_median", "step_longest", "step_longest_at",
