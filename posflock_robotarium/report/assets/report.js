@@ -340,7 +340,7 @@ function build(panel) {
   const plot = new uPlot(options, [drawn, ...columns, ...ends], holder);
   plot.over.addEventListener("click", (event) => seek(timeAt(plot.posToVal(event.offsetX, "x")), { from: plot, speak: true }));
   plot.over.addEventListener("pointermove", (event) => { if (event.pointerType === "touch") seek(timeAt(plot.posToVal(event.offsetX, "x")), { from: plot }); });
-  plots.push({ plot, holder, panel, columns, values, band: (k, index) => (panel.series[k].band ? [ends[upper(k) - columns.length][index], ends[upper(k) - columns.length - 1][index]] : null) });
+  plots.push({ plot, holder, panel, columns, ends, values, band: (k, index) => (panel.series[k].band ? [ends[upper(k) - columns.length][index], ends[upper(k) - columns.length - 1][index]] : null) });
 }
 /* The drive to the start is no part of the experiment: its time is shaded. */
 function drawDrive(u, c) {
@@ -411,7 +411,7 @@ if ($("axis")) $("axis").addEventListener("change", (event) => {
   drawn = event.target.value === "real" ? realAxis : axis;
   const time = state.time;
   quiet = true; // plots move their cursors once they are drawn again, which is no wish to go there
-  for (const { plot, columns } of plots) plot.setData([drawn, ...columns]);
+  for (const { plot, columns, ends } of plots) plot.setData([drawn, ...columns, ...ends]);
   requestAnimationFrame(() => { zoom(null); seek(time); });
 });
 $("unzoom").addEventListener("click", () => zoom(null));
