@@ -121,7 +121,7 @@ def test_the_command_tells_each_robot_in_table_page_csv_and_json(tmp_path, monke
     assert told.output.count("0.0500 m (0.0500 m)") == 2
     with open("out/reference_errors.csv") as file:
         rows = list(csv.DictReader(file))
-    assert [(row["run"], row["robot"]) for row in rows] == [("here", "1"), ("here", "2")]
+    assert [(row["run"], row["robot"]) for row in rows] == [("here", "0"), ("here", "1")]
     assert float(rows[0]["ape_position_m_rmse"]) == pytest.approx(0.05)
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "Errors against there" in page

@@ -5,6 +5,7 @@ import dataclasses
 import html.parser
 import json
 import re
+from importlib import resources
 
 import numpy as np
 import pytest
@@ -264,3 +265,23 @@ def test_a_folder_that_cannot_be_written(tmp_path, analysis):
         write_report([analysis], tmp_path / "file")
     with pytest.raises(OutputError):
         write_page([analysis], tmp_path / "file" / "page.html")
+
+
+def test_one_page_counts_robots_in_one_way():
+    flock = known_flock("parallel", 0.1, duration=10.0)
+    poses = flock.recording.poses.copy()
+    poses[200:260, :, 2] = np.nan
+    analysis = analyse(dataclasses.replace(flock.recording, poses=poses), radius=flock.radius)
+    pair = next(event.robots for event in analysis.events if len(event.robots) == 2)
+    page = render([analysis])
+    assert f"<td>{pair[0]} and {pair[1]}</td>" in page
+    assert '<tr><th scope="row">2</th>' in page[page.index('id="h-left-out"') :]
+    assert "robot 2, " in page
+
+
+def test_no_two_landmarks_have_one_name():
+    template = resources.files("posflock_robotarium.report") / "assets" / "report.html.j2"
+    marked = re.findall(r"<(?:section|\w+[^>]*role=\"region\")[^>]*", template.read_text("utf-8"))
+    names = [re.search(r'aria-label(?:ledby)?="([^"]+)"', tag)[1] for tag in marked]
+    twice = {name for name in names if names.count(name) > 1}
+    assert twice <= {"h-numbers"}  # of one run, or of several: never both

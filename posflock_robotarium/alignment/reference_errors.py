@@ -58,7 +58,7 @@ class RobotErrors:
     Attributes
     ----------
     robot : int
-        Counted from 1, as on the page.
+        Counted from 0, as everywhere.
     samples, pairs : int
         Compared poses, and motions over Δ.
     position : ErrorStatistics
@@ -165,13 +165,13 @@ def _of_robot(n: int, t: Floats, run: Floats, reference: Floats, frames: int) ->
     seen = np.isfinite(run[:, :2]).all(axis=1) & np.isfinite(reference[:, :2]).all(axis=1)
     t, run, reference = t[seen], run[seen], reference[seen]
     if not len(t):
-        raise LogError(f"robot {n + 1}: never seen in both runs at the same time")
+        raise LogError(f"robot {n}: never seen in both runs at the same time")
     apart = np.hypot(run[:, 0] - reference[:, 0], run[:, 1] - reference[:, 1])
     turned = np.abs(wrap(run[:, 2] - reference[:, 2]))
     headed = bool(np.isfinite(turned).all())
     motion, turning = _relative(t, run, reference, frames) if headed else (np.empty(0),) * 2
     return RobotErrors(
-        robot=n + 1,
+        robot=n,
         samples=len(t),
         pairs=len(motion),
         position=_statistics(apart),

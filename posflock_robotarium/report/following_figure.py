@@ -80,7 +80,7 @@ def _gains(axes: Axes, found: Following) -> None:
             ends = np.array([[gain.low, gain.high] for _, gain in known])
             axes.errorbar(
                 values,
-                [n + 1 + 0.15 * (2 * k - 1) for n, _ in known],
+                [n + 0.15 * (2 * k - 1) for n, _ in known],
                 xerr=[values - ends[:, 0], ends[:, 1] - values],
                 fmt=marker,
                 markersize=3,
@@ -92,10 +92,10 @@ def _gains(axes: Axes, found: Following) -> None:
     low, high = axes.get_xlim()
     axes.set(
         xlim=(min(low, 0.6), max(high, 1.2)),
-        ylim=(len(found.speed) + 0.6, 0.4),
+        ylim=(len(found.speed) - 0.4, -0.6),
         xlabel="gain, with 99 % interval (–)",
         ylabel="robot",
-        yticks=range(1, len(found.speed) + 1, 1 + len(found.speed) // 25),
+        yticks=range(0, len(found.speed), 1 + len(found.speed) // 25),
     )
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, handletextpad=0.2)
 

@@ -16,7 +16,7 @@ from posflock_robotarium.calibration.estimate import Estimate
 from posflock_robotarium.report.following_figure import gain_words
 
 _WIDTH, _HEIGHT = 340, 250
-_LEFT, _RIGHT, _TOP, _BOTTOM = 52, 10, 8, 40
+_LEFT, _RIGHT, _TOP, _BOTTOM = 52, 20, 8, 40
 _ROW = 19
 _NONE = "none"
 
@@ -28,7 +28,7 @@ class RobotRow:
     Attributes
     ----------
     robot : int
-        Its number, from 1.
+        Its number, from 0.
     speed, turn : str
         Gain and interval, or why there is none.
     """
@@ -114,7 +114,7 @@ def following_section(found: Following | None) -> FollowingSection | None:
         _gains(found),
     )
     rows = tuple(
-        RobotRow(n + 1, _cell(speed), _cell(turn))
+        RobotRow(n, _cell(speed), _cell(turn))
         for n, (speed, turn) in enumerate(zip(found.speed, found.turn, strict=True))
     )
     notes = tuple(f"{note[0].upper()}{note[1:]}." for note in found.notes)
@@ -202,7 +202,7 @@ def _gains(found: Following) -> Drawing:
         ]
     for row in range(robots):
         middle = _TOP + _ROW * (row + 0.5)
-        parts.append(_text(_LEFT - 8, middle + 4, str(row + 1), "end"))
+        parts.append(_text(_LEFT - 8, middle + 4, str(row), "end"))
         for response, tone, above in ((found.speed[row], "c0", -4), (found.turn[row], "c1", 4)):
             if response.gain is None:
                 continue

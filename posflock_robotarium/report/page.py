@@ -162,7 +162,7 @@ def _faults(analysis: Analysis) -> list[_Fault]:
     return [
         _Fault(
             event.kind,
-            " and ".join(str(robot + 1) for robot in event.robots),
+            " and ".join(map(str, event.robots)),
             float(t[event.first]),
             float(t[event.last] - t[event.first]),
             event.worst,

@@ -179,6 +179,7 @@ function drawArena() {
     if (state.time + origin() >= event.t - 0.05 && state.time + origin() <= Math.max(event.end, event.t + 0.4)) event.robots.forEach((i) => troubled.add(i));
   c.font = `600 ${Math.round(0.075 * scale)}px system-ui, sans-serif`;
   c.textAlign = "center"; c.textBaseline = "middle";
+  const name = (i, x, y) => { if ($("labels").checked) c.fillText(String(i), X(x), Y(y + (y > top - 0.2 ? -0.115 : 0.115))); };
   poses.forEach((pose, i) => {
     const seen = pose || lastSeen(frame, i);
     if (!seen) return;
@@ -189,6 +190,7 @@ function drawArena() {
       c.setLineDash([]);
       c.fillStyle = colour.soft;
       c.fillText("?", X(x), Y(y));
+      name(i, x, y);
       return;
     }
     c.save();
@@ -198,10 +200,8 @@ function drawArena() {
     c.fillStyle = colour.mark;
     c.beginPath(); c.moveTo(0.041, 0); c.lineTo(-0.03, 0.036); c.lineTo(-0.013, 0); c.lineTo(-0.03, -0.036); c.closePath(); c.fill();
     c.restore();
-    if ($("labels").checked) {
-      c.fillStyle = colour.ink;
-      c.fillText(String(i + 1), X(x), Y(y + (y > top - 0.2 ? -0.115 : 0.115)));
-    }
+    c.fillStyle = colour.ink;
+    name(i, x, y);
   });
 }
 
