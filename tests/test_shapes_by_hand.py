@@ -18,7 +18,7 @@ def team(places, headings=0.0):
 
 
 def opening():
-    """Three robots in a row, whose neighbours go from 0.3 m apart to 0.5 m, ever more slowly, on their way."""
+    """Three robots in a row, whose neighbours go from 0.3 m apart to 0.5 m, on their way."""
     x = np.array([-1.0, 0.0, 1.0]) * (0.5 - 0.2 * (1.0 - T / T[-1]) ** 2)[:, np.newaxis]
     return np.stack([x, np.zeros_like(x) + 0.01 * T[:, np.newaxis]], axis=1)
 
