@@ -61,7 +61,9 @@ def test_a_process_in_namespaces_reaches_its_folder_and_nothing_else(tmp_path, h
         pytest.skip(f"{how.value} does not work here")
     outside = Path(__file__).with_name("made_outside.txt")
     server = socket.create_server(("127.0.0.1", 0))
-    room = Room((str(tmp_path),), python_folders(sys.executable), str(tmp_path), as_init)
+    # Python's path may name folders that do not exist: so does that of an editable installation.
+    readable = (*python_folders(sys.executable), str(tmp_path / "there is none"))
+    room = Room((str(tmp_path),), readable, str(tmp_path), as_init)
     words = [str(outside), str(server.getsockname()[1]), str(os.getpid())]
     command = contained(how, room, [sys.executable, "-I", "-S", "-c", LOOK, *words])
     done = subprocess.run(command, capture_output=True, text=True, check=True)

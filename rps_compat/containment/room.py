@@ -22,7 +22,8 @@ class Room:
     writable : tuple of str
         Folders that it may write in.
     readable : tuple of str
-        Folders that must be there even if they lie in one of the `PRIVATE` ones.
+        Folders that must be there even if they lie in one of the `PRIVATE` ones; one that does not
+        exist is passed over, since Python's path may have such.
     folder : str
         Where it starts.
     as_init : bool
@@ -37,10 +38,10 @@ class Room:
 
     @property
     def shown(self) -> list[str]:
-        """The readable folders that would be hidden otherwise, without doubles."""
+        """The readable folders that would be hidden otherwise, where there are any; each once."""
         hidden = tuple(f"{place}/" for place in PRIVATE)
         paths = dict.fromkeys(os.path.realpath(path) for path in self.readable)
-        return [path for path in paths if path.startswith(hidden)]
+        return [path for path in paths if path.startswith(hidden) and os.path.exists(path)]
 
 
 def private_folders() -> list[str]:
