@@ -49,9 +49,8 @@ def held_poses(poses: Floats) -> Booleans:
     same[1:] = (steps[:, :2] == 0).all(axis=1) & ((steps[:, 2] == 0) | unheaded)
     if not same.any():
         return same
-    held = np.zeros_like(same)
     slow_camera = _camera_is_slow(same, np.isfinite(poses[:, 0]))
-    held |= same & slow_camera[:, np.newaxis]
+    held = same & slow_camera[:, np.newaxis]
     jitters = [_jitters(poses[:, :, n], same[:, n]) for n in range(same.shape[1])]
     for robot in np.flatnonzero((same & ~held).any(axis=0)):
         # What is seen of a robot that never moves is told by the others: one tracker sees all.

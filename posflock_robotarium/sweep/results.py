@@ -183,13 +183,14 @@ def write_tables(study: Study, store: Store, folder: Path) -> list[Path]:
     OutputError
         Where the folder cannot be written.
     """
-    rows = _of_one_form(finished(study, store))
+    done = finished(study, store)
+    rows = _of_one_form(done)
     if not rows:
         return []
     paths = [folder / name for name in ("results.csv", "summary.csv", PARQUET)]
     write_whole(paths[0], _as_csv(rows, list(rows[0])))
     columns = [*study.grid, *_OF_SUMMARY]
-    write_whole(paths[1], _as_csv(summary(study, finished(study, store)), columns))
+    write_whole(paths[1], _as_csv(summary(study, done), columns))
     if not parquet_is_installed():
         paths.pop().unlink(missing_ok=True)
         return paths
