@@ -161,6 +161,13 @@ def test_a_report_of_another_run_beside_a_log_is_told(tmp_path):
     assert notes_of(out / "poses.npy") == []
 
 
+def test_a_summary_of_another_run_beside_a_log_is_told(log):
+    said = json.loads(log.with_suffix(".json").read_text())
+    for digest, told in ((said["rows_digest"], []), ("0" * 16, ["summary.json"])):
+        log.with_name("summary.json").write_text(json.dumps({"rows_digest": digest}))
+        assert [note.split(" beside")[0] for note in notes_of(log)] == told
+
+
 def test_a_verdict_on_another_script_beside_a_log_is_told(tmp_path):
     script, out = tmp_path / "script.py", tmp_path / "out"
     script.write_text(RUN.format(instances=1))
