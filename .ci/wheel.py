@@ -6,7 +6,8 @@ Both are built into ``dist/`` and must please twine, check-wheel-contents and py
 left. Then, on every Python from 3.10 that this machine has (or the one that is asked for), the
 wheel alone is installed into a new environment, in an empty folder: the demonstration, the
 examples, a new script and a report have to work there, and the installation must weigh no more
-than is promised. ``--slim`` installs it in the slim way, as `docs/dependencies.md` shows it.
+than is promised. ``--slim`` installs it in the slim way, as `docs/reference/dependencies.md`
+shows it.
 """
 
 from __future__ import annotations
@@ -71,8 +72,8 @@ def build() -> Path:
 
 
 def slim_lines() -> list[list[str]]:
-    """Return what `docs/dependencies.md` says to install in the slim way."""
-    page = (ROOT / "docs/dependencies.md").read_text(encoding="utf-8")
+    """Return what `docs/reference/dependencies.md` says to install in the slim way."""
+    page = (ROOT / "docs/reference/dependencies.md").read_text(encoding="utf-8")
     block = re.search(r"```sh\n((?:pip install .*\n)+)```", page)
     assert block is not None
     return [line.split("#")[0].split()[2:] for line in block[1].splitlines()]

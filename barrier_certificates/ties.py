@@ -15,7 +15,7 @@ functions:
 ========================  =====================  ================================
 
 This does not do away with the edge; it moves it by a nanometre, to where nobody puts a robot.
-``docs/reproducibility.md`` lists what is decided how.
+``docs/explanations/reproducibility.md`` lists what is decided how.
 """
 
 from __future__ import annotations

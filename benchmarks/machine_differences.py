@@ -3,7 +3,7 @@
 The same runs are made in processes of their own, as this processor computes and as those would
 that can do less (the settings of ``.ci/portable.py``). Printed is, at several times, the largest
 distance of a robot or agent from where it is in the first of these runs; and how far the figures
-of a run differ. There is no bar: this measures, for docs/reproducibility.md.
+of a run differ. There is no bar: this measures, for docs/explanations/reproducibility.md.
 """
 
 from __future__ import annotations

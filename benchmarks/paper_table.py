@@ -1,8 +1,8 @@
 """The paper's simulation over seeds, against what its reproduction must show.
 
 Prints required against measured and exits 1 where a bar is missed.  Other seeds than the
-default may be asked for; a few starts in a hundred do not align (docs/paper.md), which the
-bar of the lowest seed then shows.
+default may be asked for; a few starts in a hundred do not align (docs/explanations/paper.md),
+which the bar of the lowest seed then shows.
 """
 
 from __future__ import annotations

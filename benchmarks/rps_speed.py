@@ -32,7 +32,7 @@ from rps_compat.runner import run_script
 from rps_compat.testbed import GTERNAL
 
 STEPS, DRAWN, INSTANCES = 3000, 500, 20
-#: Most that each may take of its reference. Measured: see docs/api-compatibility.md.
+#: Most that each may take of its reference. Measured: see docs/reference/api-compatibility.md.
 MOST_STEP, MOST_CONSTRUCTION, MOST_PLOTTING = 1.0, 12.0, 1.5
 MOST_CERTIFIED = {9: 0.12, 50: 0.02}
 MOST_GROWTH = 10  # MB

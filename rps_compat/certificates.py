@@ -1,7 +1,8 @@
 """What the published barrier certificates have of their own, around the library's.
 
 Each published certificate is one of :mod:`barrier_certificates`: which rows, on which points, with
-which radius and gain. The table of who has which stands in ``docs/utilities.md``. Their own are:
+which radius and gain. The table of who has which stands in ``docs/reference/utilities.md``. Their
+own are:
 
 - parameters that the library refuses, such as a limit of zero, since scripts rely on them;
 - obstacles that are points, and keep the safety radius away;

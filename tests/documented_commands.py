@@ -16,7 +16,7 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", ROOT / "SECURITY.md", ROOT / "CONTRIBUTING.md"]
-PAGES += sorted((ROOT / "docs").glob("*.md"))
+PAGES += sorted((ROOT / "docs").rglob("*.md"))
 
 _FENCED = re.compile(r"^```(\w+)\n(.*?)^```", re.M | re.S)
 _INDENTED = re.compile(r"(?:^    (?:posflock|dask) .*\n(?:^     +\S.*\n)*)+", re.M)

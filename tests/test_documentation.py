@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGES = [ROOT / "README.md", ROOT / "SECURITY.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [ROOT / "README.md", ROOT / "SECURITY.md", *sorted((ROOT / "docs").rglob("*.md"))]
 PACKAGES = ("barrier_certificates", "rps_compat", "posflock_robotarium")
 
 
@@ -52,7 +52,7 @@ def test_docstring_examples_are_true(name, tmp_path, monkeypatch):
 
 
 def test_the_tree_that_is_drawn_is_the_tree_there_is():
-    page = (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/explanations/architecture.md").read_text(encoding="utf-8")
     folders: list[str] = []
     drawn = set()
     for line in page.split("```")[1].strip().splitlines():

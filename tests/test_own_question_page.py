@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 from posflock_robotarium.cli import app
 from posflock_robotarium.flocking.errors import PosflockError
 
-PAGE = Path(__file__).parents[1] / "docs" / "own-question.md"
+PAGE = Path(__file__).parents[1] / "docs/tutorials/own-question.md"
 TEXT = PAGE.read_text(encoding="utf-8")
 FILES = ("formation.py", "shape.py", "my_metrics.py")
 

@@ -188,7 +188,7 @@ def test_an_edit_beside_a_law_of_ones_own_counts(own):
 
 
 def test_the_law_of_the_documentation_is_swept_by_workers_as_it_is_printed(tmp_path):
-    page = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/how-to/sweeps.md").read_text(encoding="utf-8")
     law = re.search(r"^```python\n# near_law.py\n(.*?)^```", page, re.M | re.S)[1]
     study = re.search(r"^```toml\n# near.toml\n(.*?)^```", page, re.M | re.S)[1]
     (tmp_path / "near_law.py").write_text(law)

@@ -28,12 +28,12 @@ def names(requirements: str) -> set[str]:
 
 
 def test_the_slim_way_installs_all_but_what_says_that_it_is_missing(settings):
-    page = (ROOT / "docs/dependencies.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/reference/dependencies.md").read_text(encoding="utf-8")
     (line,) = re.findall(r"^pip install (numpy .*)$", page, re.M)
     by_default = names(settings["options"]["install_requires"])
     assert by_default - set(line.split()) == {"cvxpy", "osqp", "clarabel", "h5py"}
     for name in by_default:
-        assert name in page, f"docs/dependencies.md does not say why {name} is there"
+        assert name in page, f"docs/reference/dependencies.md does not say why {name} is there"
     for extra in settings["options.extras_require"]:
         assert f"`{extra}`" in page, extra
 

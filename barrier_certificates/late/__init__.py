@@ -17,7 +17,7 @@ with no delay at all. So
 
 Everything that is not known exactly (gains, delays, tracking, noise) is a range in `late_robots`,
 and becomes a distance by a formula in `late_margins`. Formulas and their proof stand in
-``docs/late-robots.md``.
+``docs/explanations/late-robots.md``.
 
 References
 ----------

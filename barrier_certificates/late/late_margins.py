@@ -1,7 +1,7 @@
 """From ranges to distances: how far off predictions may be, and what robots may lose by it.
 
 Every number is a worst case over the ranges of `late_robots` at the limits of speed and turn rate;
-the formulas are those of ``docs/late-robots.md``, in which they have the same names.
+the formulas are those of ``docs/explanations/late-robots.md``, in which they have the same names.
 """
 
 from __future__ import annotations

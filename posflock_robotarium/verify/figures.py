@@ -118,7 +118,7 @@ class Figures:
         return recommended_duration(self.run_seconds, self.drive)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return what ``verify.json`` holds; docs/verify.md describes it."""
+        """Return what ``verify.json`` holds; docs/how-to/verify.md describes it."""
         loop = self.loop
         out: dict[str, Any] = {
             "robots": self.robots,

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rps_compat.containment.namespaces import Containment
     from rps_compat.running.outcome import Outcome
 
-#: Version of the format of ``verify.json``; see docs/verify.md.
+#: Version of the format of ``verify.json``; see docs/how-to/verify.md.
 SCHEMA = "posflock verify 1"
 
 
@@ -76,7 +76,7 @@ class Report:
         return figures_of(self.ideal.outcome, trials, self.drive)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return what ``verify.json`` holds; docs/verify.md describes it."""
+        """Return what ``verify.json`` holds; docs/how-to/verify.md describes it."""
         figures = self.figures
         return {
             "schema": SCHEMA,

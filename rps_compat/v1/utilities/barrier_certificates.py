@@ -1,7 +1,7 @@
 """Barrier certificates by the names of generation 1.
 
 Each function below is a selection of rows, made in :mod:`rps_compat.certificates`; who has which
-rows stands in ``docs/utilities.md``. None of them changes its arguments.
+rows stands in ``docs/reference/utilities.md``. None of them changes its arguments.
 """
 
 import itertools
