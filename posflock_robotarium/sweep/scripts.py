@@ -92,12 +92,11 @@ def script_experiment(path: Path) -> Experiment:
         Where there is no such file, or it is not Python.
     """
     source = Source(read_script(path))
-    constants = constants_in(source.script)
-    for name in BESIDE:
-        if name in constants:
-            raise ParameterError(
-                f"{path.name}: its constant {name!r} is a parameter of every study"
-            )
+    constants = {
+        name: value
+        for name, value in constants_in(source.script).items()
+        if name not in BESIDE and name not in _COLUMNS
+    }
 
     def run(parameters: Parameters, seeds: Sequence[np.random.SeedSequence]) -> list[Outcome]:
         return [_one_run(source, parameters, seed) for seed in seeds]
