@@ -58,7 +58,7 @@ def test_commands_need_nothing_that_windows_lacks(tmp_path):
     assert b"use Linux, macOS or, on Windows, WSL" in done.stderr
     assert b"Traceback" not in done.stderr
     assert len(np.load(home / "run/poses.npy")) == 40
-    assert "γ" in (home / "page/index.html").read_text(encoding="utf-8")
+    assert "γ" in (home / "page/report.html").read_text(encoding="utf-8")
 
 
 def test_a_log_is_whole_where_no_open_file_can_be_moved(tmp_path, monkeypatch):
