@@ -3,8 +3,8 @@
     python tests/as_on_windows.py demo --duration 3 --then report results/nine_robots.npy
 
 Modules that only POSIX has cannot be imported; their functions are missing from `os` and `signal`;
-a folder cannot be opened, a file that is open cannot be replaced or removed; and text files that
-name no encoding are cp1252.
+a folder cannot be opened, a file that is open cannot be replaced or removed, nothing but sockets
+can be waited for by `select`; and text files that name no encoding are cp1252.
 What is left of Linux shows in what Python's own library does: this finds our mistakes, not
 Python's.
 """
@@ -12,7 +12,9 @@ Python's.
 import builtins
 import io
 import os
+import select
 import signal
+import stat
 import sys
 
 MODULES = "fcntl grp posix_ipc pty pwd resource syslog termios tty"
@@ -34,7 +36,7 @@ def _keep_open_files() -> None:
 
     def refuse_open(path: object) -> None:
         try:
-            told = os.stat(path)  # type: ignore[arg-type]
+            told = os.stat(path)
         except OSError:
             return
         for name in os.listdir("/proc/self/fd"):
@@ -48,21 +50,40 @@ def _keep_open_files() -> None:
     def replace(source: object, target: object, **options: object) -> None:
         refuse_open(source)
         refuse_open(target)
-        replaced(source, target, **options)  # type: ignore[arg-type]
+        replaced(source, target, **options)
 
     def unlink(path: object, **options: object) -> None:
         if not options:
             refuse_open(path)
-        removed(path, **options)  # type: ignore[arg-type]
+        removed(path, **options)
 
     def opened(path: object, flags: int, *rest: int, **options: object) -> int:
         if isinstance(path, (str, os.PathLike)) and os.path.isdir(path):
             raise PermissionError(13, "Permission denied", str(path))
-        return open_file(path, flags, *rest, **options)  # type: ignore[arg-type]
+        return open_file(path, flags, *rest, **options)
 
-    os.replace = os.rename = replace  # type: ignore[assignment]
-    os.unlink = os.remove = unlink  # type: ignore[assignment]
-    os.open = opened  # type: ignore[assignment]
+    os.replace = os.rename = replace
+    os.unlink = os.remove = unlink
+    os.open = opened
+
+
+def _select_sockets_alone() -> None:
+    """Let nobody wait for pipes, nor for nothing."""
+    plain = select.select
+
+    def selected(*lists: object) -> object:
+        watched = [file for some in lists[:3] for file in some]
+        if not watched:
+            raise OSError(10022, "An invalid argument was supplied")
+        if not all(stat.S_ISSOCK(os.fstat(_number(file)).st_mode) for file in watched):
+            raise OSError(10038, "An operation was attempted on something that is not a socket")
+        return plain(*lists)
+
+    select.select = selected
+
+
+def _number(file: object) -> int:
+    return file if isinstance(file, int) else file.fileno()
 
 
 def _open_as_cp1252() -> None:
@@ -71,9 +92,9 @@ def _open_as_cp1252() -> None:
     def opened(file: object, mode: str = "r", buffering: int = -1, encoding: str | None = None, *rest: object, **options: object) -> object:  # fmt: skip  # noqa: E501
         if encoding is None and "b" not in mode:
             encoding = "cp1252"
-        return plain(file, mode, buffering, encoding, *rest, **options)  # type: ignore[call-overload]
+        return plain(file, mode, buffering, encoding, *rest, **options)
 
-    builtins.open = io.open = opened  # type: ignore[assignment]
+    builtins.open = io.open = opened
 
 
 def main() -> None:
@@ -83,13 +104,14 @@ def main() -> None:
     import tempfile  # noqa: F401
 
     for name in MODULES.split():
-        sys.modules[name] = None  # type: ignore[assignment]
+        sys.modules[name] = None
     for owner, names in ((os, FUNCTIONS), (signal, SIGNALS)):
         for name in names.split():
             if hasattr(owner, name):
                 delattr(owner, name)
-    shutil._use_fd_functions = False  # type: ignore[attr-defined]
+    shutil._use_fd_functions = False
     _keep_open_files()
+    _select_sockets_alone()
     _open_as_cp1252()
     assert subprocess
     from posflock_robotarium.cli import main as posflock
