@@ -6,33 +6,41 @@
 
 PYTHON ?= python3
 VENV   ?= .venv
+ifeq ($(OS),Windows_NT)
+BIN    := $(VENV)/Scripts
+EXE    := .exe
+else
 BIN    := $(VENV)/bin
+EXE    :=
+endif
 # One BLAS thread: small matrices only lose time to more, and figures stay comparable.
 export OPENBLAS_NUM_THREADS ?= 1
 export OMP_NUM_THREADS ?= 1
+# RECORD=1 adds what a benchmark measured to benchmarks/history/.
+export BENCH_RECORD = $(RECORD)
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
 .PHONY: demo test wheel test-slow test-numpy1 test-portable coverage mutants lint bench bench-nine bench-rps bench-barriers bench-verify \
-	bench-report bench-fuzz bench-faults bench-paper bench-machines bench-reality lock clean help
+	bench-report bench-fuzz bench-faults bench-paper bench-machines bench-reality bench-plot lock clean help
 .DEFAULT_GOAL := help
 
 help:  ## this list
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## /{printf "  make %-16s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
-$(BIN)/python:
+$(BIN)/python$(EXE):
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10) and f"posflock needs Python 3.10 or newer; {sys.executable} is {sys.version.split()[0]}: try  make PYTHON=python3.11")'
 	$(PYTHON) -m venv $(VENV)
 
-$(VENV)/.runtime: setup.cfg constraints.txt | $(BIN)/python
-	$(BIN)/pip install -q -c constraints.txt -e .
+$(VENV)/.runtime: setup.cfg constraints.txt | $(BIN)/python$(EXE)
+	$(BIN)/python -m pip install -q -c constraints.txt -e .
 	@touch $@
 
-$(VENV)/.dev: setup.cfg constraints.txt | $(BIN)/python
-	$(BIN)/pip install -q -c constraints.txt -e '.[dev]'
+$(VENV)/.dev: setup.cfg constraints.txt | $(BIN)/python$(EXE)
+	$(BIN)/python -m pip install -q -c constraints.txt -e '.[dev]'
 	@touch $@ $(VENV)/.runtime
 
-$(VENV)/.release: setup.cfg constraints.txt | $(BIN)/python
-	$(BIN)/pip install -q -c constraints.txt -e '.[release]'
+$(VENV)/.release: setup.cfg constraints.txt | $(BIN)/python$(EXE)
+	$(BIN)/python -m pip install -q -c constraints.txt -e '.[release]'
 	@touch $@ $(VENV)/.runtime
 
 demo: $(VENV)/.runtime  ## the nine-robot experiment on this machine: results/ holds log, figures, summary
@@ -115,6 +123,9 @@ bench-paper: $(VENV)/.dev  ## the paper's table over seeds, what flocks and swee
 
 bench-reality: $(VENV)/.dev  ## predictions against real runs: REAL=folder of fetched repositories, else skipped
 	$(BIN)/python benchmarks/reality.py $(REAL)
+
+bench-plot: $(VENV)/.dev  ## what benchmarks measured over time, drawn into results/; RECORD=1 with any of them adds a row
+	$(BIN)/python benchmarks/history.py
 
 lock:  ## renew constraints.txt from the ranges in setup.cfg (needs uv)
 	uv pip compile --universal --python-version 3.10 --extra dev --extra release -c .ci/testbed.txt --no-annotate --no-header -q setup.cfg -o constraints.txt

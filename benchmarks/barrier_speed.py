@@ -22,6 +22,7 @@ from pathlib import Path
 
 import numpy as np
 from comparing import Table
+from history import recorded
 from references import GAIN, RADIUS, SPEED, Certify, dense_certificate, sparse_certificate
 
 from barrier_certificates import solvers
@@ -138,7 +139,7 @@ def main() -> int:
         table.bar(f"times faster than the {reference}, {what}", gain, "≥", least, beside=beside)
     plot(growth, arguments.out / "barrier-speed.png")
     print(f"growth with the number of robots: {arguments.out / 'barrier-speed.png'}")
-    return table.exit_code()
+    return recorded("barrier_speed", table)
 
 
 def plot(growth: dict[str, dict[int, float]], path: Path) -> None:

@@ -12,6 +12,7 @@ import os
 import resource
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from statistics import median
 
 for _variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
@@ -65,12 +66,42 @@ class Times:
         return median(one / other for one, other in pairs)
 
 
+@dataclass(frozen=True)
+class Bar:
+    """One requirement, and what was measured; `sense` is ≥ or ≤."""
+
+    what: str
+    measured: float
+    sense: str
+    required: float
+    unit: str = ""
+
+    @property
+    def holds(self) -> bool:
+        """Whether it is met."""
+        met = (
+            self.measured >= self.required if self.sense == "≥" else self.measured <= self.required
+        )
+        return bool(met)
+
+
 class Table:
     """Measured against required, a line each; and what judges nothing."""
 
     def __init__(self, width: int = 60) -> None:
-        self.missed = 0
+        self.bars: list[Bar] = []
         self._width = width
+        self._part = ""
+
+    @property
+    def missed(self) -> int:
+        """How many requirements were missed."""
+        return sum(not bar.holds for bar in self.bars)
+
+    def part(self, title: str) -> None:
+        """Print a heading; what follows belongs to it, and may be called as in another part."""
+        self._part = f"{title}: "
+        print(title, flush=True)
 
     def bar(
         self,
@@ -83,9 +114,9 @@ class Table:
         beside: str = "",
     ) -> None:
         """Print one requirement; `sense` is ≥ or ≤, and `beside` is said without judging."""
-        holds = measured >= required if sense == "≥" else measured <= required
-        self.missed += not holds
-        verdict = ("ok" if holds else "MISSED") + (f"   ({beside})" if beside else "")
+        bar = Bar(self._part + what, float(measured), sense, float(required), unit)
+        self.bars.append(bar)
+        verdict = ("ok" if bar.holds else "MISSED") + (f"   ({beside})" if beside else "")
         figures = f"{measured:>9.4g} {unit:<6} {sense} {required:<7g}"
         print(f"  {what:<{self._width}}{figures}{verdict}", flush=True)
 

@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 from comparing import Table, Times, cpu, cpu_with_children, seconds
+from history import recorded
 from references import dense_certificate
 
 from barrier_certificates.projection import ProjectionInfo, Status
@@ -135,7 +136,7 @@ def judge_ideal(table: Table, seeds: int) -> None:
     """Hold the experiment in the ideal arena against its table."""
     ideal = study(seeds)
     values = {name: np.array([getattr(s, name) for s in ideal]) for name in ideal[0].as_dict()}
-    print(f"ideal arena, seeds 0-{seeds - 1}, {DURATION:g} s each")
+    table.part(f"ideal arena, seeds 0-{seeds - 1}, {DURATION:g} s each")
     for name, words in (("gamma_headings", "headings"), ("gamma_motion", "motion")):
         table.bar(f"γ from {words}, t > 20 s, median", float(np.median(values[name])), "≥", 0.99)
         least = 0.95 if words == "headings" else 0.85
@@ -152,7 +153,7 @@ def judge_noisy(table: Table, seeds: int) -> None:
     """Hold the experiment with noise on motors and tracking against its table."""
     noisy = study(seeds, noisy=True)
     gamma = np.array([s.gamma_motion for s in noisy])
-    print("10 % actuation noise, 1 mm tracking noise")
+    table.part("10 % actuation noise, 1 mm tracking noise")
     table.bar("γ from motion, t > 20 s, median", float(np.median(gamma)), "≥", 0.98)
     table.bar("γ from motion, t > 20 s, lowest seed", gamma.min(), "≥", 0.85)
     print(
@@ -172,7 +173,7 @@ def show_without_steering(seeds: int) -> None:
 
 def judge_cost(table: Table, folder: Path) -> None:
     """Hold the CPU time of steps and script against that of their references."""
-    print("cost")
+    table.part("cost")
     step = Times(
         {
             "ours": lambda: cpu(partial(drive, folder, COMPARED)),
@@ -213,7 +214,7 @@ def main() -> int:
     show_without_steering(min(seeds, 5))
     with tempfile.TemporaryDirectory() as name:
         judge_cost(table, Path(name))
-    return table.exit_code()
+    return recorded("nine_robots", table)
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 from comparing import Table, Times
+from history import recorded
 
 LONGEST_SECONDS, ROBOTS, STEP = 900.0, 20, 0.033
 LENGTHS = (0.25, 0.5, 1.0)
@@ -117,7 +118,7 @@ def main() -> int:
     table.bar("memory", told[longest][0], "≤", MOST_MEMORY, "MB")
     growth = times.ratio(longest, shortest) * told[shortest][1] / told[longest][1]
     table.bar("cost per sample, 900 s over 225 s", growth, "≤", MOST_GROWTH, "×")
-    return table.exit_code()
+    return recorded("report_scaling", table)
 
 
 if __name__ == "__main__":

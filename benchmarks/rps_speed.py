@@ -24,6 +24,7 @@ from pathlib import Path
 
 import numpy as np
 from comparing import Table, Times, cpu
+from history import recorded
 from references import dense_certificate, plain_step
 
 import rps_compat
@@ -180,7 +181,7 @@ def main() -> int:
     table = Table()
     for generation in (1, 2):
         rps_compat.install(generation=generation)
-        print(f"generation {generation}")
+        table.part(f"generation {generation}")
         times = Times({"ours": stepping(generation), "plain": plain_stepping}, rounds)
         table.ratio("nine robots, against plain numpy", times, "ours", "plain", MOST_STEP, STEPS)
         print(f"    {STEPS / times.median('ours'):,.0f} steps a second of CPU time")
@@ -201,14 +202,14 @@ def main() -> int:
         table.ratio(what, times, "instance", "step", MOST_CONSTRUCTION)
         table.bar("growth by 900 more instances", growth(generation), "≤", MOST_GROWTH, "MB")
         rps_compat.uninstall()
-    print("plotting in every step, against the same script without")
+    table.part("plotting in every step, against the same script without")
     with tempfile.TemporaryDirectory() as folder:
         drawn = Times(
             {plot: partial(plotting, plot, DRAWN, Path(folder)) for plot in PLOTS}, rounds
         )
     for plot in list(PLOTS)[1:]:
         table.ratio(plot, drawn, plot, "nothing", MOST_PLOTTING, DRAWN)
-    return table.exit_code()
+    return recorded("rps_speed", table)
 
 
 if __name__ == "__main__":

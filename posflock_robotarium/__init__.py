@@ -3,4 +3,4 @@
 The law, the experiment, and what became of it.
 """
 
-__version__ = "0.1.0"
+__version__ = "1.0.0"

@@ -125,16 +125,18 @@ def _script(path: Path) -> None:
     path.write_text(
         "import numpy as np\n"
         "from rps.robotarium import Robotarium\n"
+        "STEPS = 300\n"
+        "SPEED = 0.08\n"
         "start = np.array([[-0.5, 0.5], [0.3, -0.3], [0.0, np.pi]])\n"
         "r = Robotarium(number_of_robots=2, initial_conditions=start)\n"
         "seen = []\n"
         "try:\n"
-        "    for k in range(300):\n"
+        "    for k in range(STEPS):\n"
         "        x = r.get_poses()\n"
         "        seen.append(x)\n"
         "        if k in (100, 200):\n"
         "            print(f'[t={k * 0.033:5.1f}s] at gate {k}')\n"
-        "        r.set_velocities(np.arange(2), np.array([[0.08, 0.08], [0.0, 0.0]]))\n"
+        "        r.set_velocities(np.arange(2), np.array([[SPEED, SPEED], [0.0, 0.0]]))\n"
         "        r.step()\n"
         "finally:\n"
         "    np.save('poses.npy', np.array(seen))\n"
@@ -208,6 +210,7 @@ FILES: dict[str, Callable[[Path], None]] = {
 def supply(page: Path, folder: Path) -> None:
     """Put into a folder what the commands of a page take for granted."""
     words = {word for command in commands(page) for word in command.words.split()}
+    words |= set(re.findall(r'^script = "(.*)"', page.read_text(encoding="utf-8"), re.M))
     for name, make in FILES.items():
         if name in words:
             (folder / name).parent.mkdir(parents=True, exist_ok=True)

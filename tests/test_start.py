@@ -2,18 +2,23 @@
 
 import ast
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from posflock_robotarium.alignment.own_metrics import own_metrics
+from posflock_robotarium.alignment.users_code import imported
 from posflock_robotarium.cli import app
 from posflock_robotarium.examples import NINE_ROBOTS, copy_examples, example_files
 from posflock_robotarium.flocking.errors import OutputError, ParameterError
 from posflock_robotarium.new_script import ExperimentKind, write_script
+from posflock_robotarium.sweep.study import read_study
 from rps_compat.run_settings import RunSettings
 from rps_compat.runner import run_script
 
@@ -139,3 +144,22 @@ def test_a_new_script_never_overwrites(tmp_path):
         write_script("mine", ExperimentKind.FLOCKING, tmp_path)
     with pytest.raises(ParameterError, match="none of flocking, formation"):
         CliRunner().invoke(app, ["new", "x", "--kind", "milling"], catch_exceptions=False)
+
+
+def test_a_new_scripts_metric_joins_a_report_and_its_readme_has_a_study(tmp_path):
+    for experiment in ExperimentKind:
+        script, metric, readme = write_script(f"my_{experiment.name.lower()}", experiment, tmp_path)
+        poses = np.zeros((60, 3, experiment.kind.robots))
+        poses[:, :2] = np.random.default_rng(0).uniform(-0.9, 0.9, (2, experiment.kind.robots))
+        poses[30:, :, 0] = np.nan  # who is not seen
+        run = SimpleNamespace(poses=poses)
+        (asked,) = set(re.findall(rf"{metric.name}:(\w+)", readme.read_text(encoding="utf-8")))
+        with own_metrics([f"{metric}:{asked}"]) as (entry,):
+            assert entry.unit == experiment.kind.unit
+        values = vars(imported(metric))[asked](run)
+        assert np.isfinite(values[:30]).all()
+        assert np.isnan(values[30:]).all()
+        toml = re.search(r"```toml\n(.*?)```", readme.read_text(encoding="utf-8"), re.S)[1]
+        (script.parent / "study.toml").write_text(toml)
+        study = read_study(script.parent / "study.toml")
+        assert experiment.kind.constant in study.grid

@@ -107,6 +107,7 @@ def test_runs_keep_their_streams_when_a_study_grows():
         ({"distributions": {"side": [1, 2]}}, "one distribution"),
         ({"distributions": {"side": {"uniform": [2.0, 1.0]}}}, "low"),
         ({"distributions": {"side": {"loguniform": [0.0, 1.0]}}}, "above zero"),
+        ({"distributions": {"agents": {"integers": [2, 8.0]}}}, "whole numbers"),
         ({"distributions": {"failure": {"uniform": [0.0, 1.0]}}}, "failure"),
         ({"figures": [{"x": "side", "y": "gamma_end"}]}, "not varied"),
         ({"figures": [{"x": "persistence", "y": "gamma_end", "z": 1}]}, "z"),

@@ -28,6 +28,8 @@ def sweep(
 ) -> None:
     """Run a study: grids and distributions of parameters, kept in a store that survives.
 
+    Of point agents, of the nine robots, or of any Robotarium script, whose constants it varies.
+
     Started again, a sweep computes only what is missing, whatever ended it; all of it, where
     the code behind the experiment has changed.
 

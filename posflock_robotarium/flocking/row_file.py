@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.lib import format as npy
 
-from barrier_certificates.file_lock import try_lock
+from barrier_certificates.file_lock import KNOWN, try_lock
 from posflock_robotarium.flocking.errors import LogError, OutputError
 
 #: Rows that are written at once where a file is made or grows.
@@ -130,20 +130,26 @@ class RowFile:
         """Make the file with all its rows, and put it in the place of an earlier run's."""
         self.path.parent.mkdir(parents=True, exist_ok=True)
         draft = self.path.with_name(f"{self.path.name}.{os.getpid()}.part")
-        flags = os.O_RDWR | os.O_CREAT | os.O_TRUNC | getattr(os, "O_BINARY", 0)
         with _claimed(self.path):
-            self._file = os.open(draft, flags, 0o666)
-            self._close = weakref.finalize(self, os.close, self._file)
+            self._hold(draft, os.O_CREAT | os.O_TRUNC)
             try:
                 self._write(0, self._header(self._room))
                 self._write_unreached(0, self._room)
                 try_lock(self._file)
                 self.path.with_suffix(".json").unlink(missing_ok=True)
+                if not KNOWN:  # Windows moves no open file
+                    self._close()
                 os.replace(draft, self.path)
+                if not KNOWN:
+                    self._hold(self.path)
             except BaseException:
                 self._close()
                 draft.unlink(missing_ok=True)
                 raise
+
+    def _hold(self, path: Path, more: int = 0) -> None:
+        self._file = os.open(path, os.O_RDWR | getattr(os, "O_BINARY", 0) | more, 0o666)
+        self._close = weakref.finalize(self, os.close, self._file)
 
     def _grow(self) -> None:
         """Double the file: first the rows, then the header that admits to them."""

@@ -38,6 +38,8 @@ class KindOfScript:
         What its law is given beside the poses.
     law : str
         Where its law stands, in words.
+    constant, tried : str
+        A constant of it that a study may vary, and values for that.
     """
 
     summary: str
@@ -49,6 +51,13 @@ class KindOfScript:
     shared: str = "METRIC, UNIT, metric"
     given: str = ""
     law: str = "`desired`, at the bottom of the script"
+    constant: str = "SPEED"
+    tried: str = "[0.06, 0.09, 0.12]"
+
+    @property
+    def metric_name(self) -> str:
+        """Its metric as a function is called."""
+        return self.metric.replace(" ", "_")
 
 
 class ExperimentKind(str, Enum):
@@ -73,6 +82,8 @@ _KINDS = {
         "order parameter",
         "",
         "The length of the mean heading: 1 where all look one way, 0 where they cancel.",
+        constant="ROBOTS",
+        tried="[4, 6, 9]",
         law="`LAW` with `Flock`; `posflock_robotarium.flocking.law` has it as pure functions",
     ),
     ExperimentKind.FORMATION: KindOfScript(

@@ -21,8 +21,9 @@ from typing import Any
 from posflock_robotarium import __version__
 from posflock_robotarium.flocking.errors import PosflockError
 from posflock_robotarium.simulation.workers import local_pool, processors
-from posflock_robotarium.sweep.experiments import Outcome, find
-from posflock_robotarium.sweep.sources import code_of, load
+from posflock_robotarium.sweep.experiments import Outcome
+from posflock_robotarium.sweep.scripts import experiment_of
+from posflock_robotarium.sweep.sources import code_of
 from posflock_robotarium.sweep.store import ERROR, Row, Store
 from posflock_robotarium.sweep.study import PlannedRun, Study
 
@@ -164,9 +165,7 @@ def compute(experiment: str, runs: Sequence[PlannedRun], module: Path | None = N
         ``seconds`` of CPU time a run, and the ``version`` and the digest of the ``code``
         that computed it.
     """
-    if module:
-        load(module)
-    found = find(experiment)
+    found = experiment_of(experiment, module)
     code = code_of(found, module)
     started = time.process_time()
     try:

@@ -26,6 +26,8 @@ class ParameterSpread(WordEnum):
     LOGUNIFORM = "loguniform"
     #: With mean and standard deviation.
     NORMAL = "normal"
+    #: A whole number from low to high, both among them.
+    INTEGERS = "integers"
     #: Any of a list.
     CHOICE = "choice"
 
@@ -59,6 +61,8 @@ class ParameterDistribution:
         if len(numbers) != 2 or len(self.arguments) != 2:
             raise StudyError(f"{self.kind}: expected two numbers, got {list(self.arguments)}")
         first, second = numbers
+        if self.kind is ParameterSpread.INTEGERS and not all(type(n) is int for n in numbers):
+            raise StudyError(f"integers: expected two whole numbers, got {list(self.arguments)}")
         if self.kind is ParameterSpread.NORMAL and second < 0.0:
             raise StudyError(f"normal: expected a deviation of zero or more, got {second}")
         if self.kind is not ParameterSpread.NORMAL and not first <= second:
@@ -72,7 +76,7 @@ class ParameterDistribution:
 
     def examples(self) -> tuple[Value, ...]:
         """Return values of every type that may be drawn, with the least and the greatest."""
-        if self.kind is ParameterSpread.CHOICE:
+        if self.kind in (ParameterSpread.CHOICE, ParameterSpread.INTEGERS):
             return self.arguments
         mean_or_bounds = (
             self.arguments[:1] if self.kind is ParameterSpread.NORMAL else self.arguments
@@ -96,6 +100,9 @@ _DRAWS: dict[ParameterSpread, Callable[[np.random.Generator, Any], Value]] = {
         np.exp(generator.uniform(np.log(a[0]), np.log(a[1])))
     ),
     ParameterSpread.NORMAL: lambda generator, a: float(generator.normal(a[0], a[1])),
+    ParameterSpread.INTEGERS: lambda generator, a: int(
+        generator.integers(a[0], a[1], endpoint=True)
+    ),
     ParameterSpread.CHOICE: lambda generator, a: a[int(generator.integers(len(a)))],
 }
 

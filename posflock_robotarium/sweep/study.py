@@ -4,6 +4,7 @@
 
     experiment = "freespace"
     module = "my_law.py"            # only for an experiment of one's own: registers it
+    # or, in the place of both:  script = "main.py"
     seed = 1                        # of the whole study
     replications = 20               # of every combination
     common_random_numbers = true    # replication r starts alike in every combination
@@ -45,14 +46,17 @@ from typing import Any
 import numpy as np
 
 from posflock_robotarium.flocking.errors import ParameterError
-from posflock_robotarium.sweep.experiments import Experiment, Value, find
+from posflock_robotarium.sweep.experiments import Experiment, Value
 from posflock_robotarium.sweep.parameter_distribution import (
     ParameterDistribution,
     StudyError,
     read_distribution,
 )
-from posflock_robotarium.sweep.sources import ModuleError, code_of, load
+from posflock_robotarium.sweep.scripts import NAME as SCRIPT
+from posflock_robotarium.sweep.scripts import experiment_of
+from posflock_robotarium.sweep.sources import ModuleError, code_of
 from rps_compat.bounded_files import read_bounded
+from rps_compat.errors import ScriptError
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -132,7 +136,8 @@ class Study:
     figures : tuple of Figure
         Pictures asked for.
     module : Path, optional
-        The file that registers the experiment, where it is not one of this package's.
+        The file that registers the experiment, where it is not one of this package's; the script,
+        where that is what is run.
 
     Raises
     ------
@@ -271,7 +276,7 @@ def read_study(path: Path) -> Study:
         raise StudyError(f"{path} is not TOML: {error}") from error
     try:
         return parse_study(said, path.parent)
-    except (StudyError, ParameterError, ModuleError) as error:
+    except (StudyError, ParameterError, ModuleError, ScriptError) as error:
         raise StudyError(f"{path}: {error}") from error
 
 
@@ -287,21 +292,17 @@ def parse_study(said: Mapping[str, Any], folder: Path = Path()) -> Study:
 
     Raises
     ------
-    StudyError, ParameterError, ModuleError
+    StudyError, ParameterError, ModuleError, ScriptError
         Naming the key, what was got and what was expected.
     """
-    shapes = {"experiment": str, "module": str, "seed": int, "replications": int}
+    shapes = {"experiment": str, "module": str, "script": str, "seed": int, "replications": int}
     shapes["common_random_numbers"] = bool
     tables = ("parameters", "grid", "distributions")
     _refuse_unknown(said, (*shapes, *tables, "figures"), "a study")
     for name, kind in shapes.items():
         if name in said and type(said[name]) is not kind:
             raise StudyError(f"{name}: expected {kind.__name__}, got {said[name]!r}")
-    if "experiment" not in said:
-        raise StudyError('experiment: expected a name such as "freespace", got none')
-    module = (folder / said["module"]).resolve() if "module" in said else None
-    if module:
-        load(module)
+    experiment, module = _chosen(said, folder)
     for name in tables:
         if not isinstance(said.get(name, {}), dict):
             raise StudyError(f"[{name}]: expected a table, got {said[name]!r}")
@@ -310,9 +311,9 @@ def parse_study(said: Mapping[str, Any], folder: Path = Path()) -> Study:
             raise StudyError(f"grid.{name}: expected a list of at least one value, got {values!r}")
         if len(set(map(repr, values))) < len(values):
             raise StudyError(f"grid.{name}: a value is listed twice in {values!r}")
-    chosen = ("experiment", "module")
+    chosen = ("experiment", "module", "script")
     return Study(
-        experiment=find(said["experiment"]),
+        experiment=experiment,
         parameters=said.get("parameters", {}),
         grid=said.get("grid", {}),
         distributions={
@@ -322,6 +323,21 @@ def parse_study(said: Mapping[str, Any], folder: Path = Path()) -> Study:
         module=module,
         **{name: said[name] for name in shapes if name not in chosen and name in said},
     )
+
+
+def _chosen(said: Mapping[str, Any], folder: Path) -> tuple[Experiment, Path | None]:
+    """Return the experiment, and the file that it comes from where that is the user's own."""
+    if "script" in said:
+        if not {"experiment", "module"}.isdisjoint(said):
+            raise StudyError("script: a study has either a script or an experiment, not both")
+        script = (folder / said["script"]).resolve()
+        return experiment_of(SCRIPT, script), script
+    if "experiment" not in said:
+        raise StudyError(
+            'experiment: expected a name such as "freespace", or script = "main.py"; got none'
+        )
+    module = (folder / said["module"]).resolve() if "module" in said else None
+    return experiment_of(said["experiment"], module), module
 
 
 def _figure(said: Any) -> Figure:

@@ -24,6 +24,7 @@ from rps_compat.containment.keeper import ProcessOrder
 from rps_compat.containment.kept import KeptFolder, KeptProcess
 from rps_compat.containment.namespaces import (
     Containment,
+    ContainmentError,
     contained,
     containment_here,
     python_folders,
@@ -357,7 +358,7 @@ def lay_out(source: Source, scratch: Path) -> None:
 def robots_and_seconds(script: Path) -> tuple[int | None, float | None]:
     """Run a script once in the ideal simulator; return its number of robots and its length in s.
 
-    Both are None where it does not run to its end.
+    Both are None where it does not run to its end, or where trials cannot be had.
 
     Parameters
     ----------
@@ -370,8 +371,11 @@ def robots_and_seconds(script: Path) -> tuple[int | None, float | None]:
     _, source = static.check_source(script)
     if source is None:
         return None, None
-    with TrialRoom(source, evidence_of(source.uses).generation, Limits()) as room:
-        (ran,) = room.run([room.plan("ideal")])
+    try:
+        with TrialRoom(source, evidence_of(source.uses).generation, Limits()) as room:
+            (ran,) = room.run([room.plan("ideal")])
+    except ContainmentError:
+        return None, None
     outcome = ran.outcome
     if outcome.ended is not Ended.FINISHED or not outcome.steps or outcome.report is None:
         return None, None

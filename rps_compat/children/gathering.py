@@ -4,13 +4,13 @@ import contextlib
 import json
 import os
 import re
-import select
 import signal
 from dataclasses import dataclass
 from pathlib import Path
 
 from rps_compat.children.leftovers import GRACE
 from rps_compat.children.records import Record, RobotariumInstance
+from rps_compat.clock import real
 from rps_compat.containment.processes import look_at
 from rps_compat.logged_end import LoggedEnd
 from rps_compat.recording import files_of
@@ -88,7 +88,7 @@ def terminate(room: Path) -> None:
             os.kill(int(process.read_text()), signal.SIGTERM)
     looks = int(GRACE / _LOOK)
     while looks and any(_goes_on(process) for process in ending):
-        select.select([], [], [], _LOOK)  # waits in real time, whatever `time` does
+        real.sleep(_LOOK)  # whatever `time` does
         looks -= 1
 
 
@@ -126,6 +126,8 @@ def _is_alive(process: Path) -> bool:
         if hasattr(os, "waitid"):
             with contextlib.suppress(ChildProcessError):  # not ours, but perhaps a child's
                 return os.waitid(os.P_PID, number, os.WEXITED | os.WNOHANG | os.WNOWAIT) is None
+        if os.name == "nt":  # to ask would send it a Ctrl-C
+            return True
         os.kill(number, 0)
     except (OSError, ValueError):
         return False

@@ -33,7 +33,12 @@ _LOOK = 0.05
 #: Least share of the time in which a keeper does nothing: to look costs more, the more processes a
 #: machine has.
 _IDLE = 0.98
-_IGNORED = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGTSTP)
+#: What ends the command is the command's affair; Windows, which has no keepers, lacks some of them.
+_IGNORED = tuple(
+    getattr(signal, name)
+    for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGTSTP")
+    if hasattr(signal, name)
+)
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,7 @@ from typing import IO
 
 from rps_compat.containment.bare_python import bare_python
 from rps_compat.containment.keeper import DONE, ProcessEnd, ProcessOrder
+from rps_compat.containment.namespaces import ContainmentError
 from rps_compat.containment.stale_folders import hold, new_name, sweep
 
 #: Seconds between two calls of what is to be done meanwhile.
@@ -47,7 +48,7 @@ class KeptFolder:
         self._owner = os.getpid()
         self._line = _Line()
         words = (str(self._owner), str(self._line.ours), str(self.path))
-        if os.name == "posix":
+        if hasattr(os, "fork"):  # Windows has no keepers; the next start sweeps
             with contextlib.suppress(OSError):  # no room for a process; the next start sweeps
                 subprocess.run(
                     bare_python("keeper", "folder", *words, owner=self._owner, apart=True),
@@ -93,6 +94,11 @@ class KeptProcess:
         As `subprocess.Popen` takes them.
     pass_fds : tuple of int
         Further descriptors that it gets.
+
+    Raises
+    ------
+    ContainmentError
+        Where processes cannot be forked.
     """
 
     def __init__(
@@ -106,6 +112,11 @@ class KeptProcess:
         stderr: int | IO[bytes] = subprocess.DEVNULL,
         pass_fds: tuple[int, ...] = (),
     ) -> None:
+        if not hasattr(os, "fork"):
+            raise ContainmentError(
+                "verify and rehearse hold a script in forked processes, which this system does not"
+                " have: use Linux, macOS or, on Windows, WSL; posflock run needs none"
+            )
         self._line = _Line()
         self._answer, answer = os.pipe()
         words = (str(os.getpid()), str(self._line.ours), str(answer), json.dumps(asdict(order)))
