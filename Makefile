@@ -20,7 +20,7 @@ export OMP_NUM_THREADS ?= 1
 export BENCH_RECORD = $(RECORD)
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: demo test wheel test-slow test-numpy1 test-portable coverage mutants lint bench bench-nine bench-rps bench-barriers bench-verify \
+.PHONY: demo test docs docs-browser docs-links wheel test-slow test-numpy1 test-portable coverage mutants lint bench bench-nine bench-rps bench-barriers bench-verify \
 	bench-report bench-fuzz bench-faults bench-paper bench-machines bench-reality bench-plot lock clean help
 .DEFAULT_GOAL := help
 
@@ -43,6 +43,10 @@ $(VENV)/.release: setup.cfg constraints.txt | $(BIN)/python$(EXE)
 	$(BIN)/python -m pip install -q -c constraints.txt -e '.[release]'
 	@touch $@ $(VENV)/.runtime
 
+$(VENV)/.docs: setup.cfg constraints.txt | $(BIN)/python$(EXE)
+	$(BIN)/python -m pip install -q -c constraints.txt -e '.[docs]'
+	@touch $@ $(VENV)/.runtime
+
 demo: $(VENV)/.runtime  ## the nine-robot experiment on this machine: results/ holds log, figures, summary
 	$(BIN)/python experiments/robotarium_9bot.py --out results
 
@@ -51,6 +55,15 @@ test: $(VENV)/.dev  ## the test suite
 
 wheel: $(VENV)/.release  ## wheel and source archive in dist/, checked, and tried in new environments
 	$(BIN)/python .ci/wheel.py $(WHEEL_ARGS)
+
+docs: $(VENV)/.docs  ## the documentation as a site in build/docs/html: strict, links and names checked
+	$(BIN)/python -m tools.documentation
+
+docs-browser: docs $(VENV)/.dev  ## that site in Chromium: axe-core, wide and narrow, light and dark, its search
+	$(BIN)/python -m pytest -m slow tests/test_built_site.py $(PYTEST_ARGS)
+
+docs-links: $(VENV)/.docs  ## every address outside of the project that the documentation names (asks the network)
+	$(BIN)/python -m tools.documentation --external
 
 test-slow: $(VENV)/.dev  ## the tests that take minutes
 	$(BIN)/python -m pytest -m slow $(PYTEST_ARGS)
@@ -128,7 +141,7 @@ bench-plot: $(VENV)/.dev  ## what benchmarks measured over time, drawn into resu
 	$(BIN)/python benchmarks/history.py
 
 lock:  ## renew constraints.txt from the ranges in setup.cfg (needs uv)
-	uv pip compile --universal --python-version 3.10 --extra dev --extra release -c .ci/testbed.txt --no-annotate --no-header -q setup.cfg -o constraints.txt
+	uv pip compile --universal --python-version 3.10 --extra dev --extra docs --extra release -c .ci/testbed.txt --no-annotate --no-header -q setup.cfg -o constraints.txt
 
 clean:  ## remove environments and results
 	rm -rf $(VENV) .venv-numpy1 .venv-testbed .venv-newest results build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .coverage .coverage.*

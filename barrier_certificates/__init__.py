@@ -33,3 +33,18 @@ Wang, Ames and Egerstedt, Safety barrier certificates for collisions-free multir
 Transactions on Robotics 33 (2017); Ames et al., Control barrier functions: theory and applications,
 European Control Conference (2019).
 """
+
+__all__ = [
+    "certificate",
+    "certificate_errors",
+    "deadlock",
+    "differential_drive",
+    "guarantee",
+    "late",
+    "projection",
+    "rows",
+    "single_integrator",
+    "solvers",
+    "ties",
+    "unicycle",
+]

@@ -7,12 +7,12 @@ margin, `TIE`, a thousand times the rounding of a long run and a thousandth of w
 and every comparison that a designed experiment can meet exactly is made with it, by one of four
 functions:
 
-========================  =====================  ================================
-`within` (value, bound)   value ≤ bound + TIE    equal counts: robots that touch
-`beyond` (value, bound)   value > bound + TIE    equal does not: on the wall is inside
-`reached` (value, bound)  value ≥ bound − TIE    equal counts: time is up
-`short_of` (value, bound) value < bound − TIE    equal does not: at the radius is no neighbour
-========================  =====================  ================================
+=========================  ===================  ==============================================
+`within` (value, bound)    value ≤ bound + TIE  equal counts: robots that touch
+`beyond` (value, bound)    value > bound + TIE  equal does not: on the wall is inside
+`reached` (value, bound)   value ≥ bound − TIE  equal counts: time is up
+`short_of` (value, bound)  value < bound − TIE  equal does not: at the radius is no neighbour
+=========================  ===================  ==============================================
 
 This does not do away with the edge; it moves it by a nanometre, to where nobody puts a robot.
 ``docs/explanations/reproducibility.md`` lists what is decided how.

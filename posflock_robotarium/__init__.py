@@ -4,3 +4,21 @@ The law, the experiment, and what became of it.
 """
 
 __version__ = "1.0.0"
+
+__all__ = [
+    "alignment",
+    "calibration",
+    "event_calibration",
+    "examples",
+    "figures",
+    "flocking",
+    "freespace",
+    "logs",
+    "new_script",
+    "paper",
+    "report",
+    "simulation",
+    "submission",
+    "sweep",
+    "verify",
+]

@@ -2,6 +2,8 @@
 
 Its certificates are the control barrier function (CBF) filters of `barrier_certificates`.
 
+::
+
     import rps_compat
     rps_compat.install(generation=2)          # from now on, `import rps` means us
     from rps.robotarium import Robotarium
@@ -17,4 +19,25 @@ leave_current_folder()
 from rps_compat.install import import_path, install, installed, uninstall  # noqa: E402
 from rps_compat.session import Session  # noqa: E402
 
-__all__ = ["Session", "import_path", "install", "installed", "uninstall"]
+__all__ = [
+    "Session",
+    "arena",
+    "deviations",
+    "errors",
+    "import_path",
+    "install",
+    "installed",
+    "late_profiles",
+    "lint",
+    "profiles",
+    "realism",
+    "report",
+    "run_settings",
+    "runner",
+    "running",
+    "session",
+    "testbed",
+    "uninstall",
+    "v1",
+    "v2",
+]

@@ -26,3 +26,5 @@ Artstein, Linear systems with delayed controls: a reduction, IEEE Transactions o
 functions in sampled-data systems, IEEE Control Systems Letters 6 (2022): margins for what happens
 between samples.
 """
+
+__all__ = ["late_certificate", "late_margins", "late_robots"]

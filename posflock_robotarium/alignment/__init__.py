@@ -20,3 +20,23 @@ summary          the numbers of the nine-robot experiment
 point_agents     the same for the paper's point agents
 ===============  ===============================================================
 """
+
+__all__ = [
+    "analysis",
+    "catalogue",
+    "comparison",
+    "estimators",
+    "gamma_band",
+    "measured_run",
+    "metric_registry",
+    "metrics",
+    "options",
+    "own_metrics",
+    "point_agents",
+    "questions",
+    "reductions",
+    "summary",
+    "targets",
+    "truth",
+    "verdicts",
+]

@@ -10,6 +10,8 @@ from pathlib import Path
 from posflock_robotarium.flocking.errors import OutputError, ParameterError
 from rps_compat.whole_files import write_whole, written_together
 
+__all__ = ["NINE_ROBOTS", "copy_examples", "example_files", "examples_folder"]
+
 #: Where a wheel has them.
 _INSTALLED = Path(__file__).with_name("files")
 #: Where the source tree has them.

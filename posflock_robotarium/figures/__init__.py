@@ -1,1 +1,3 @@
 """How figures look (``style``), and those of the nine-robot experiment (``experiment``)."""
+
+__all__ = ["experiment", "style"]

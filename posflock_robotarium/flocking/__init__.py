@@ -17,3 +17,16 @@ errors              what is raised
 numpy and scipy suffice, and Python 3.10. In an upload all files lie in one folder, so names are
 unique there, and none is a library's.
 """
+
+__all__ = [
+    "constants_on_board",
+    "errors",
+    "flock",
+    "law",
+    "neighbour_memory",
+    "placement",
+    "pose_filter",
+    "pose_log",
+    "progress",
+    "steering",
+]

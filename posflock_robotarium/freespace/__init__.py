@@ -3,3 +3,5 @@
 ``simulation`` runs batches of flocks under the paper's three models, ``sensing`` spoils what agents
 see of each other, ``neighbour_search`` finds who is near.
 """
+
+__all__ = ["inputs", "neighbour_search", "sensing", "simulation"]

@@ -3,3 +3,5 @@
 ``readers`` makes a recording out of any file of poses, one module a form; ``convert`` writes one in
 other forms; ``recorder`` offers the pose log to scripts that know nothing of it.
 """
+
+__all__ = ["convert", "readers", "run"]

@@ -189,3 +189,6 @@ def require_script_name(name: str) -> None:
     hidden = shadowed_by(name)
     if hidden is not None:
         raise ParameterError(f"{name}.py would hide {hidden}: choose another name")
+
+
+__all__ = ["ExperimentKind", "KindOfScript", "write_script"]

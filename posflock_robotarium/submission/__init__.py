@@ -2,3 +2,5 @@
 
 ``interpreters`` finds a Python of the testbed's version; ``rehearsal_launcher`` runs in it.
 """
+
+__all__ = ["bundle", "manifest", "rehearse", "upload_folder"]

@@ -13,3 +13,14 @@ cluster      the same on a Dask cluster
 results      tidy tables, medians with confidence intervals, figures
 ===========  ==========================================================================
 """
+
+__all__ = [
+    "cluster",
+    "execution",
+    "experiments",
+    "parameter_distribution",
+    "points",
+    "results",
+    "store",
+    "study",
+]

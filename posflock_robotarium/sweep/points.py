@@ -44,7 +44,7 @@ def register_law(
     ----------
     name, summary : str
         Of the experiment.
-    law : function of (Sensed, LawParameters, *own)
+    law : function of (Sensed, LawParameters, own parameters)
         Computes the input, (B, d, n) in m/s², see
         :class:`posflock_robotarium.freespace.simulation.FreeSpace`.
     own : dict of str to value, optional

@@ -48,6 +48,7 @@ __all__ = [
     "Report",
     "Verdict",
     "ablate",
+    "findings",
     "verify",
 ]
 

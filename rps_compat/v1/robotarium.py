@@ -1,11 +1,13 @@
 """The Robotarium of generation 1: ``get_poses``, ``set_velocities``, ``step``, in that order.
 
-r = Robotarium(number_of_robots=5, show_figure=True, sim_in_real_time=True)
-for k in range(1000):
-    x = r.get_poses()                       # (3, N)
-    r.set_velocities(np.arange(5), dxu)     # (2, N)
-    r.step()
-r.call_at_scripts_end()
+::
+
+    r = Robotarium(number_of_robots=5, show_figure=True, sim_in_real_time=True)
+    for k in range(1000):
+        x = r.get_poses()                       # (3, N)
+        r.set_velocities(np.arange(5), dxu)     # (2, N)
+        r.step()
+    r.call_at_scripts_end()
 """
 
 import math

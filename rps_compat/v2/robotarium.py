@@ -1,11 +1,13 @@
 """The Robotarium of generation 2: ``get_poses``, ``set_velocities``, ``step``, in that order.
 
-r = Robotarium(number_of_robots=5, show_figure=True, initial_conditions=poses)
-for k in range(1000):
-    x = r.get_poses()                       # (3, N), a copy
-    r.set_velocities(np.arange(5), dxu)     # (2, N)
-    r.step()
-r.debug()
+::
+
+    r = Robotarium(number_of_robots=5, show_figure=True, initial_conditions=poses)
+    for k in range(1000):
+        x = r.get_poses()                       # (3, N), a copy
+        r.set_velocities(np.arange(5), dxu)     # (2, N)
+        r.step()
+    r.debug()
 """
 
 import time

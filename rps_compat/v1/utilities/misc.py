@@ -104,7 +104,7 @@ def at_pose(
 
 
 def at_position(states: Array, points: Array, position_error: float = 0.02) -> tuple[Indices, ...]:
-    """Return which robots are at their points: indices, as :func:`numpy.nonzero` gives them.
+    """Return which robots are at their points: indices, as ``numpy.nonzero`` gives them.
 
     Parameters
     ----------

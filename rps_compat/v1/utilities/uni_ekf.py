@@ -17,7 +17,7 @@ class NoInertialUpdateError(RobotariumError, NotImplementedError):
 
 
 class UnicycleEKF(UnicycleFilter):
-    """Estimates the pose of one robot, see :class:`UnicycleFilter`.
+    """Estimates the pose of one robot, see `UnicycleFilter`.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ def wrap_angle(angle: Any) -> Any:
 
 
 class UnicycleEKF(UnicycleFilter):
-    """Estimates the pose of one robot, see :class:`UnicycleFilter`.
+    """Estimates the pose of one robot, see `UnicycleFilter`.
 
     Variances of measurements come with each measurement.
 
