@@ -20,7 +20,6 @@ diameter. :class:`Arena` knows nothing of the API's two generations: `rps_compat
 Two kinds of guests may be handed in, a `Realism` and a `Recorder`: see `rps_compat.arena_guests`.
 """
 
-from collections.abc import Iterable
 from math import hypot
 from typing import cast
 
@@ -224,19 +223,6 @@ class Arena:
             self.violations.actuator(self.steps, speeds, self.robot.max_wheel_velocity)
         self._check_places(np.cos(self.poses[2]), np.sin(self.poses[2]))
 
-    def check_seen(self) -> None:
-        """Count the same of the robots whose pose is known, where that of others is NaN."""
-        x, y, heading = self.poses
-        outside = -wall_distances(self.poses, self._robot.boundaries)
-        if (outside > 0).any():
-            self.violations.outside(self.steps, outside)
-        i, j = self._pairs
-        bodies = x + self._ahead * np.cos(heading) + 1j * (y + self._ahead * np.sin(heading))
-        distances = np.abs(bodies[i] - bodies[j])
-        close = np.flatnonzero(distances <= self._too_close)
-        if close.size:
-            self.violations.close(self.steps, i[close], j[close], distances[close])
-
     def forget_violations(self) -> None:
         """Start counting afresh."""
         self.violations = Violations()
@@ -336,29 +322,6 @@ class Arena:
         turned = np.abs(theta)
         if turned[turned.argmax()] > _WRAPPED_BEYOND:
             np.arctan2(np.sin(theta), np.cos(theta), out=theta)
-
-
-def violations_of(poses: Array, robot: RobotModel, rows: Iterable[int]) -> Violations:
-    """Return what the arena holds against logged poses, by its own test of each row.
-
-    Parameters
-    ----------
-    poses : (T, 3, N) array
-        Logged poses over time, m and rad; NaN where a robot was not seen, which then has no faults.
-    robot : RobotModel
-        Whose collision test and arena are meant.
-    rows : iterable of int
-        Which rows to test, in order of time; the rows that are left out count as sound.
-    """
-    arena = Arena(np.nan_to_num(poses[0]), robot)
-    for row in rows:
-        arena.place(poses[row])
-        arena.steps = row
-        if np.isnan(poses[row]).any():
-            arena.check_seen()
-        else:
-            arena.check()
-    return arena.violations
 
 
 #: Beyond this a velocity counts as infinite: the wheels' speeds could not be told any more.

@@ -115,3 +115,26 @@ def test_smoothing_restores_directions_that_differences_lose():
 def test_wrong_shapes_are_named(call):
     with pytest.raises(ParameterError, match="expected"):
         call()
+
+
+def test_algebraic_connectivity_of_many_agents_is_that_of_the_whole_matrix():
+    rng = np.random.default_rng(3)
+    p = rng.uniform(-2.0, 2.0, (3, 2, 210))
+    p[1, :, 7] = np.nan
+    p[2, 0, :50] += 9.0  # these have left
+    links = np.linalg.norm(p[:, :, None, :] - p[:, :, :, None], axis=1) < 0.8
+    links[:, range(210), range(210)] = False
+    laplacians = -links.astype(float)
+    laplacians[:, range(210), range(210)] = links.sum(axis=2)
+    values = np.linalg.eigvalsh(laplacians)
+    expected = [values[0, 1], values[1, 2], 0.0]
+    assert_allclose(metrics.algebraic_connectivity(p, 0.8), expected, atol=1e-9)
+    assert min(expected[:2]) > 0.1
+
+
+@pytest.mark.parametrize("points", [3, 5, 11])
+def test_smoothing_follows_a_quadratic_to_both_ends(points):
+    t = 0.05 * np.arange(points + 6)
+    track = np.stack([1 + 2 * t - 3 * t**2, 0.5 * t**2])[:, np.newaxis].transpose(2, 0, 1)
+    expected = np.stack([2 - 6 * t, t])[:, np.newaxis].transpose(2, 0, 1)
+    assert_allclose(metrics.smoothed_velocities(track, 0.05, points), expected, atol=1e-12)

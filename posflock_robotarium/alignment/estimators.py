@@ -215,7 +215,7 @@ def _savitzky_golay(t: Floats, positions: Floats, points: int) -> Floats:
     step = _even_step(t)
     if step is not None:
         return smoothed_velocities(positions, step, points)
-    return _weighted(positions, *fit_weights(t, points)[1:])
+    return _weighted(positions, fit_weights(t, points)[1])
 
 
 def fit_weights(t: Floats, points: int) -> tuple[Floats, Floats, NDArray[np.intp]]:
@@ -249,10 +249,17 @@ def fit_weights(t: Floats, points: int) -> tuple[Floats, Floats, NDArray[np.intp
     return weights[:, 0], weights[:, 1] / scale, start
 
 
-def _weighted(samples: Floats, weights: Floats, start: NDArray[np.intp]) -> Floats:
+def _weighted(samples: Floats, weights: Floats) -> Floats:
+    """Return the weighted sum of the samples in each window, laid as `fit_weights` does."""
+    samples_each, points = weights.shape
     total = np.zeros_like(samples)
-    for k in range(weights.shape[1]):
-        total += weights[:, k].reshape(-1, *[1] * (samples.ndim - 1)) * samples[start + k]
+    # Windows move on by one sample each, but for those that are shifted inwards at both ends.
+    first, last = points // 2, samples_each - points + points // 2 + 1
+    for k in range(points):
+        weight = weights[:, k].reshape(-1, *[1] * (samples.ndim - 1))
+        total[:first] += weight[:first] * samples[k]
+        total[first:last] += weight[first:last] * samples[k : k + last - first]
+        total[last:] += weight[last:] * samples[samples_each - points + k]
     return total
 
 
@@ -306,8 +313,8 @@ def tracking_noise(recording: Run, speed: float, window: float = WINDOW) -> Trac
         if len(t) < points:
             continue
         own = samples[rows][:, :, columns]
-        value, _, start = fit_weights(t, points)
-        residual = own - _weighted(own, value, start)
+        value = fit_weights(t, points)[0]
+        residual = own - _weighted(own, value)
         inner = slice(points // 2, len(t) - points // 2)
         centre = value[inner, points // 2]
         scaled = residual[inner] ** 2 / (1 - centre)[:, np.newaxis, np.newaxis]

@@ -27,20 +27,19 @@ is added to the band.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
 
 from barrier_certificates.ties import beyond
+from posflock_robotarium.alignment.gamma_band_ends import Spread, ends_of
 from posflock_robotarium.flocking.law import neighbours
 
 Floats = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
-
-CONFIDENCE = 0.95
-"""Share of the samples in which the band holds the γ without noise."""
+Integers = NDArray[np.intp]
 
 LARGEST_ERROR = 0.2
 """Radians: standard deviation of a direction beyond which the expansion above no longer holds."""
@@ -48,11 +47,6 @@ LARGEST_ERROR = 0.2
 #: Standard deviations within which a speed, and a distance, may lie on the other side. Several
 #: distances may be in doubt at once, which seldom all are what they do not seem: so fewer.
 _DOUBTFUL, _DOUBTFUL_DISTANCE = 1.96, 1.28
-#: Halvings of the interval in which an end of the band is sought: 1e-7 of a broad band.
-_HALVINGS = 24
-#: Least of the linear variance on a saddle, in units of the square: noise may have hidden as much.
-SADDLE = 0.25
-_MOST_SKEWED = 2.0 * np.sqrt(2.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +139,8 @@ def gamma_band(
     positions: Floats,
     radius: float | Floats,
     position_noise: float,
-    stretches: Iterator[slice],
+    stretches: Iterable[slice],
+    heard: Callable[[slice], Booleans] | None = None,
 ) -> Band:
     """Return the band of γ over time.
 
@@ -161,46 +156,38 @@ def gamma_band(
         Standard deviation of each coordinate, m.
     stretches : iterator of slice
         Samples that are worked on at a time, all together the whole run.
+    heard : callable, optional
+        Takes a stretch of K samples and returns who is whose neighbour, (K, N, N), where that is
+        known already.
 
     Returns
     -------
     Band
-        In which γ without noise lies, with a probability of `CONFIDENCE` at every time.
+        In which γ without noise lies at every time, with the probability `CONFIDENCE`.
     """
     parts = [
-        _spread(directions.at(stretch), positions[stretch], radius, position_noise)
+        _spread(
+            directions.at(stretch),
+            positions[stretch],
+            radius,
+            position_noise,
+            neighbours(positions[stretch], radius) if heard is None else heard(stretch),
+        )
         for stretch in stretches
     ]
-    spread = _Spread(
-        *(np.concatenate([getattr(p, each.name) for p in parts]) for each in fields(_Spread))
+    spread = Spread(
+        *(np.concatenate([getattr(p, each.name) for p in parts]) for each in fields(Spread))
     )
-    low, high = _ends(spread)
+    low, high = ends_of(spread)
     low, high = low + spread.doubt_below, high + spread.doubt_above
     return Band(np.clip(low, -1.0, 1.0), np.clip(high, -1.0, 1.0))
 
 
-@dataclass(frozen=True, eq=False)
-class _Spread:
-    """What is known of γ at each sample, all (T,): moments of the expansion, and doubts.
-
-    `centre` is γ less its bias; `linear` is g'Σg, `square` tr (HΣ)², `bending` how fast the
-    variance g'Σg changes with γ: 2 g'ΣHΣg / g'Σg. `one_sided` is 1 on a summit or in a trough,
-    where all curvatures have one sign, and falls to 0 on a saddle.
-    """
-
-    centre: Floats
-    linear: Floats
-    square: Floats
-    bending: Floats
-    one_sided: Floats
-    doubt_below: Floats
-    doubt_above: Floats
-
-
-def _spread(d: Directions, p: Floats, radius: float | Floats, noise: float) -> _Spread:
+def _spread(
+    d: Directions, p: Floats, radius: float | Floats, noise: float, heard: Booleans
+) -> Spread:
     speed = np.sqrt(np.square(d.velocities).sum(axis=1))
     moving = beyond(speed, d.slowest)
-    heard = neighbours(p, radius)
     links = heard & moving[:, np.newaxis, :] & moving[:, :, np.newaxis]
     cosines, sines = (
         np.divide(d.velocities[:, k], speed, out=np.zeros_like(speed), where=moving) for k in (0, 1)
@@ -219,7 +206,7 @@ def _spread(d: Directions, p: Floats, radius: float | Floats, noise: float) -> _
         above[rows] += np.maximum(other - centre[rows], 0.0)
     counted = links.any(axis=2)
     unsure = (counted & (variance > LARGEST_ERROR**2)).any(axis=1)
-    return _Spread(np.where(unsure, np.nan, centre), *moments, below, above)
+    return Spread(np.where(unsure, np.nan, centre), *moments, below, above)
 
 
 def _weights(links: Booleans) -> tuple[Floats, NDArray[np.intp]]:
@@ -234,7 +221,7 @@ def _weights(links: Booleans) -> tuple[Floats, NDArray[np.intp]]:
 def _moments(
     links: Booleans, c: Floats, s: Floats, variance: Floats
 ) -> tuple[Floats, tuple[Floats, Floats, Floats, Floats]]:
-    """Return γ less its bias, and the moments of a `_Spread`."""
+    """Return γ less its bias, and the moments of a `Spread`."""
     weights, counted = _weights(links)
     pairs = weights + np.swapaxes(weights, 1, 2)
     lift = np.exp(variance / 2)
@@ -286,13 +273,10 @@ def _doubtful_links(
     centre: Floats,
 ) -> tuple[Floats, Floats]:
     """Return how far γ may fall and rise where noise decides who is a neighbour, (T,) each."""
-    robots = p.shape[2]
-    apart = np.sqrt(np.square(p[:, :, :, np.newaxis] - p[:, :, np.newaxis, :]).sum(axis=1))
-    reach = np.broadcast_to(np.asarray(radius, dtype=float), robots)[:, np.newaxis]
-    near = np.abs(apart - reach) < _DOUBTFUL_DISTANCE * np.sqrt(2.0) * noise
-    near &= moving[:, np.newaxis, :] & moving[:, :, np.newaxis]
     below, above = np.zeros(len(p)), np.zeros(len(p))
-    t, i, j = np.nonzero(near)
+    t, i, j = _near_the_radius(p, radius, _DOUBTFUL_DISTANCE * np.sqrt(2.0) * noise)
+    both = moving[t, i] & moving[t, j]
+    t, i, j = t[both], i[both], j[both]
     if not t.size:
         return below, above
     c, s, variance = directions
@@ -318,51 +302,20 @@ def _doubtful_links(
     return below, above
 
 
-def _ends(spread: _Spread) -> tuple[Floats, Floats]:
-    """Return the least and the greatest γ under which the reading is not too rare."""
-    broad = 8 * np.sqrt(0.5 * spread.square + spread.linear) + 16 * np.abs(spread.bending)
-    centre = spread.centre
-    least, inside = centre - broad, centre.copy()
-    for _ in range(_HALVINGS):
-        middle = (least + inside) / 2
-        held = _accepted(middle, spread)[1] >= centre
-        least, inside = np.where(held, least, middle), np.where(held, middle, inside)
-    low = inside
-    # On a summit the whole reading may lie above what is accepted there: so from below it.
-    inside, most = centre - broad, centre + broad
-    for _ in range(_HALVINGS):
-        middle = (inside + most) / 2
-        held = _accepted(middle, spread)[0] <= centre
-        inside, most = np.where(held, middle, inside), np.where(held, most, middle)
-    return low, inside
-
-
-def _accepted(gamma: Floats, spread: _Spread) -> tuple[Floats, Floats]:
-    """Return between which readings 95 % lie where the truth is `gamma`: Pearson's type III."""
-    from scipy.special import ndtri
-
-    linear = spread.linear - spread.square
-    shifted = np.maximum(linear + spread.bending * (gamma - spread.centre), 0.0)
-    one = spread.one_sided
-    # On a saddle the linear part says nothing of γ, and where it seems none, noise hides it.
-    linear = one * shifted + (1 - one) * np.maximum(linear, SADDLE * spread.square)
-    half = np.maximum(0.5 * spread.square, 1e-120)
-    variance = half + linear
-    third = one * spread.bending * (half + 1.5 * linear)
-    skewness = np.clip(third / variance**1.5, -_MOST_SKEWED, _MOST_SKEWED)
-    rare = 1 - CONFIDENCE
-    beyond_summit = np.maximum(rare / 2 * (1 - one * np.exp(-linear / half)), 1e-9)
-    summit = spread.bending < 0
-    lower = np.where(summit, rare - beyond_summit, beyond_summit)
-    upper = np.where(summit, beyond_summit, rare - beyond_summit)
-    deviation = np.sqrt(variance)
-    return (
-        gamma + deviation * _quantile(ndtri(lower), skewness),
-        gamma + deviation * _quantile(-ndtri(upper), skewness),
-    )
-
-
-def _quantile(normal: Floats, skewness: Floats) -> Floats:
-    """Return the standardised gamma's quantile by the normal's (Wilson and Hilferty 1931)."""
-    k = np.where(np.abs(skewness) < 1e-6, 1e-6, skewness)
-    return np.asarray(2 / k * ((1 + k * normal / 6 - k**2 / 36) ** 3 - 1))
+def _near_the_radius(p: Floats, radius: float | Floats, margin: float) -> tuple[Integers, ...]:
+    """Return sample, robot and other robot where their distance is nearly the robot's radius."""
+    robots = p.shape[2]
+    reach = np.broadcast_to(np.asarray(radius, dtype=float), robots)
+    # Half of the pairs, since distances are mutual; all robots at once where radii are alike.
+    first, second = np.triu_indices(robots, 1)
+    squares = np.square(p[:, 0, first] - p[:, 0, second])
+    squares += np.square(p[:, 1, first] - p[:, 1, second])
+    apart = np.sqrt(squares, out=squares)
+    t, pair = np.nonzero(np.abs(apart - reach[first]) < margin)
+    found = [(t, first[pair], second[pair])]
+    if np.ndim(radius):
+        t, pair = np.nonzero(np.abs(apart - reach[second]) < margin)
+    found.append((t, second[pair], first[pair]))
+    where = [np.concatenate(each) for each in zip(*found, strict=True)]
+    order = np.lexsort(where[::-1])
+    return tuple(each[order] for each in where)

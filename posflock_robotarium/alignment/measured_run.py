@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from posflock_robotarium.alignment.estimators import Motion, estimate
 from posflock_robotarium.alignment.options import TRANSIENT, AnalysisOptions, settled_samples
 from posflock_robotarium.flocking.errors import ParameterError
+from posflock_robotarium.flocking.law import neighbours
 from posflock_robotarium.logs.plausibility import Sightings
 from posflock_robotarium.logs.run import Run
 from posflock_robotarium.logs.start import experiment_start
@@ -29,6 +30,9 @@ _T = TypeVar("_T")
 
 PAIRS_AT_A_TIME = 200_000
 """Robot pairs in one stretch: a few MB of temporaries, which stay in the processor's cache."""
+
+KEPT_PAIRS = 50_000_000
+"""Pairs over time, a byte each, up to which it is kept who is whose neighbour."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,6 +115,23 @@ class MeasuredRun:
         """Return the neighbour radius in metres: one number, or a (N,) array of one a robot."""
         reach = np.asarray(self.options.radius, dtype=float)
         return float(reach) if reach.ndim == 0 else reach
+
+    def neighbours(self, stretch: slice) -> NDArray[np.bool_]:
+        """Tell who is whose neighbour in one of the `stretches`.
+
+        Parameters
+        ----------
+        stretch : slice
+            Which.
+
+        Returns
+        -------
+        (K, N, N) boolean array
+            Row i marks the neighbours of robot i; not to be written.
+        """
+        if len(self.recording.t) * self.recording.robots**2 > KEPT_PAIRS:
+            return neighbours(self.positions[stretch], self.radius)
+        return self.once(_neighbours, stretch.start, stretch.stop)
 
     @cached_property
     def speeds(self) -> Floats:
@@ -306,3 +327,7 @@ def weighted_mean(values: Floats, weights: Floats) -> float:
 
 def _estimated(run: MeasuredRun, estimator: str) -> Motion:
     return estimate(run.recording, estimator, run.options.window)
+
+
+def _neighbours(run: MeasuredRun, start: int, stop: int) -> NDArray[np.bool_]:
+    return read_only(neighbours(run.positions[start:stop], run.radius))

@@ -58,8 +58,10 @@ def held_poses(poses: Floats) -> Booleans:
         if jitters[robot] or (never and any(jitters)):
             held[:, robot] = same[:, robot]
             continue
-        for rows in stretches_of(same[:, robot] & ~slow_camera):
-            held[rows, robot] = _catches_up(poses[:, :2, robot], same[:, robot], rows)
+        stretches = stretches_of(same[:, robot] & ~slow_camera)
+        caught_up = _catches_up(poses[:, :2, robot], same[:, robot], stretches)
+        for rows, is_old in zip(stretches, caught_up.tolist(), strict=True):
+            held[rows, robot] = is_old
     return held
 
 
@@ -134,21 +136,30 @@ def _rounding(values: Floats) -> float:
     return 0.0
 
 
-def _catches_up(positions: Floats, same: Booleans, held: slice) -> bool:
-    """Whether a robot (T, 2) is, after rows in which it held its pose, where it had gone on to."""
-    first, last = held.start, held.stop
-    if last >= len(positions):
-        return False
-    caught = float(np.hypot(*(positions[last] - positions[first - 1])))
-    usual = []
-    for rows in (np.arange(max(1, first - _AROUND), first), np.arange(last + 1, last + _AROUND)):
-        new = rows[rows < len(positions)]
-        new = new[~same[new]]
-        steps = np.hypot(*(positions[new] - positions[new - 1]).T)
-        steps = steps[np.isfinite(steps) & (steps > 0)]
-        if len(steps) >= _FEWEST:
-            usual.append(float(np.median(steps)))
-    return bool(usual) and caught > (1 + (last - first) / 2) * max(usual)
+def _catches_up(positions: Floats, same: Booleans, held: list[slice]) -> Booleans:
+    """Whether a robot (T, 2) is, after each stretch of held poses, where it had gone on to."""
+    first = np.array([rows.start for rows in held], dtype=int)
+    last = np.array([rows.stop for rows in held], dtype=int)
+    steps = np.full(len(positions), np.nan)
+    steps[1:] = np.hypot(*np.diff(positions, axis=0).T)
+    steps[same | ~(steps > 0)] = np.nan  # no new pose
+    nothing = np.full(_AROUND, np.nan)
+    padded = np.concatenate([nothing, steps, nothing, nothing])
+    before = _medians(padded[first[:, np.newaxis] + np.arange(_AROUND)])
+    after = _medians(padded[last[:, np.newaxis] + np.arange(_AROUND + 1, 2 * _AROUND)])
+    ended = np.minimum(last, len(positions) - 1)
+    caught = np.hypot(*(positions[ended] - positions[first - 1]).T)
+    far = caught > (1 + (last - first) / 2) * np.fmax(before, after)
+    return np.asarray(far & (last < len(positions)), dtype=bool)
+
+
+def _medians(windows: Floats) -> Floats:
+    """Return the median of each row (K, w) of known numbers; NaN where too few are known."""
+    number = np.isfinite(windows).sum(axis=1)
+    ordered = np.sort(windows, axis=1)  # NaN last
+    middle = np.stack([np.maximum(number - 1, 0) // 2, number // 2], axis=1)
+    pairs = np.take_along_axis(ordered, np.minimum(middle, windows.shape[1] - 1), axis=1)
+    return np.where(number >= _FEWEST, pairs.mean(axis=1), np.nan)
 
 
 def stretches_of(flags: Booleans) -> list[slice]:

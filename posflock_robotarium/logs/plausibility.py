@@ -138,12 +138,13 @@ def sightings_of(log: Run, t: Floats, counted: bool = False) -> Sightings:
     held = held_poses(np.where(unseen[:, np.newaxis], np.nan, poses)) & seen & ~unseen
     repeated = nobody_new(held, seen & ~unseen)
     here = seen & ~unseen & ~held
-    jumps = jumps_of(poses, t, here, robot)
-    jumps[1:] &= ~stalls[:, np.newaxis]
+    if (here != seen).any():
+        jumps = jumps_of(poses, t, here, robot)
+        jumps[1:] &= ~stalls[:, np.newaxis]
     names, exchanges = exchanges_of(poses, t, here, jumps, robot)
     strange = _strange(log, t, here, names, stalls) if jumps.any() else here & False
     placed = here & ~strange
-    remaining = _remaining(log, t, placed, names, stalls)
+    remaining = _remaining(log, t, placed, names, stalls) if jumps.any() else 0.0
     if remaining > TOO_MANY_JUMPS:  # no robot's poses, in these units and at these times
         nothing = shown & False
         order = np.broadcast_to(np.arange(log.robots), names.shape)

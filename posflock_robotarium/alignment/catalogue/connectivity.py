@@ -12,7 +12,7 @@ from posflock_robotarium.alignment.measured_run import Floats, MeasuredRun
 from posflock_robotarium.alignment.metric_registry import Metric, Scalar, register
 from posflock_robotarium.alignment.panels import CONNECTIVITY
 from posflock_robotarium.alignment.reductions import largest, smallest
-from posflock_robotarium.flocking.law import neighbours
+from posflock_robotarium.freespace.neighbour_search import TREE_FROM_AGENTS
 
 
 class Connectivity(NamedTuple):
@@ -39,26 +39,30 @@ def _connectivity(run: MeasuredRun) -> Connectivity | None:
     last, seen_before = np.zeros(2), run.seen[:1]
     for stretch in run.stretches():
         positions = run.positions[stretch]
-        linked = neighbours(positions, run.radius)
+        linked = run.neighbours(stretch)
         previous = linked[:1] if before is None else before
         changed = (linked != np.concatenate([previous, linked[:-1]])).any(axis=(1, 2))
         seen = run.seen[stretch]
         changed |= (seen != np.concatenate([seen_before, seen[:-1]])).any(axis=1)
         changed[0] |= before is None
-        values = _of_graphs(positions[changed], run.radius)
+        values = _of_graphs(positions[changed], linked[changed], run.radius)
         # Row 0 is what held before this stretch, row k what holds from its k-th change on.
         found[stretch] = np.concatenate([last[np.newaxis], values])[np.cumsum(changed)]
         last, before, seen_before = found[stretch][-1], linked[-1:], seen[-1:]
     return Connectivity(*found.T)
 
 
-def _of_graphs(positions: Floats, radius: float | Floats) -> Floats:
+def _of_graphs(positions: Floats, linked: NDArray[np.bool_], radius: float | Floats) -> Floats:
     """Return components and algebraic connectivity of (K, 2, N) positions, shape (K, 2)."""
     if not len(positions):
         return np.empty((0, 2))
-    components = metrics.connected_components(positions, radius).astype(float)
-    found = np.stack([components, metrics.algebraic_connectivity(positions, radius)], axis=1)
     seen = np.isfinite(positions[:, 0])
+    if positions.shape[2] >= TREE_FROM_AGENTS:
+        groups = metrics.connected_components(positions, radius)
+    else:
+        groups = metrics.connected_components_of(linked, seen)
+    components = groups.astype(float)
+    found = np.stack([components, metrics.algebraic_connectivity_of(linked, seen)], axis=1)
     # Who is not seen may be what links the groups; and nobody is no group.
     unknown = ((components > 1) & ~seen.all(axis=1)) | ~seen.any(axis=1)
     found[unknown] = np.nan

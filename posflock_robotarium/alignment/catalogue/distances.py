@@ -20,11 +20,17 @@ from posflock_robotarium.alignment.reductions import settled_mean, smallest
 from rps_compat.violations import FaultKind
 
 
+def _to_nearest(run: MeasuredRun) -> Floats:
+    """Return how far each robot's nearest other is, m, shape (T, N)."""
+    parts = [metrics.distances_to_nearest(run.positions[rows]) for rows in run.stretches()]
+    return np.concatenate(parts)
+
+
 def _between_centres(measure: Callable[[Floats], Floats]) -> CurveFunction:
     def curve(run: MeasuredRun) -> Floats | None:
         if run.recording.robots < 2:
             return None
-        distances = run.by_stretch(lambda stretch: measure(run.positions[stretch]))
+        distances = measure(run.once(_to_nearest))
         return np.where(np.isinf(distances), np.nan, distances)
 
     return curve
@@ -53,7 +59,7 @@ register(
         "nearest neighbour, mean",
         "m",
         "Mean over robots of the distance to the nearest other robot, centre to centre.",
-        _between_centres(metrics.nearest_neighbour_distance),
+        _between_centres(metrics.mean_to_nearest),
         panel=DISTANCE,
         figure="distances",
         legend="nearest neighbour",
@@ -74,7 +80,7 @@ register(
         "closest pair",
         "m",
         "Smallest distance between two robots' centres.",
-        _between_centres(metrics.smallest_distance),
+        _between_centres(lambda nearest: np.asarray(nearest.min(axis=1))),
         "smallest",
         panel=DISTANCE,
         figure="distances",

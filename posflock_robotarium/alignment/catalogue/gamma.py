@@ -9,6 +9,7 @@ from posflock_robotarium.alignment.measured_run import CurveFunction, Floats, Me
 from posflock_robotarium.alignment.metric_registry import Metric, NumberFunction, Scalar, register
 from posflock_robotarium.alignment.panels import ALIGNMENT, LEFT_OUT
 from posflock_robotarium.alignment.reductions import settled_mean
+from posflock_robotarium.freespace.neighbour_search import TREE_FROM_AGENTS
 
 FEWEST_COUNTED = 0.005
 """Share of robots and time that a mean γ must rest on, lest noise speak for a parked flock."""
@@ -37,6 +38,7 @@ def alignment_of(run: MeasuredRun, estimator: str) -> metrics.Alignment:
             run.positions[stretch],
             run.radius,
             slowest=least_speed(run, estimator),
+            heard=run.neighbours(stretch) if run.robots < TREE_FROM_AGENTS else None,
         )
         gamma[stretch], counted[stretch] = found.gamma, found.counted
     return metrics.Alignment(gamma, counted)

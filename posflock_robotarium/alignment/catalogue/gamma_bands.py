@@ -77,7 +77,9 @@ def band_of(run: MeasuredRun, short: str) -> Band | None:
         )
     if np.nanmean(directions.variance > LARGEST_ERROR**2) > MOSTLY:  # noise hides most of them
         return None
-    band = gamma_band(directions, run.positions, run.radius, noise.position, run.stretches())
+    band = gamma_band(
+        directions, run.positions, run.radius, noise.position, run.stretches(), run.neighbours
+    )
     defined = np.isfinite(run.once(alignment_of, estimator).gamma)
     known = np.isfinite(band.low) & defined
     return band if known.sum() > MOSTLY * defined.sum() else None

@@ -21,7 +21,9 @@ from posflock_robotarium.alignment.metrics.cohesion import (
 )
 from posflock_robotarium.alignment.metrics.connectivity import (
     algebraic_connectivity,
+    algebraic_connectivity_of,
     connected_components,
+    connected_components_of,
 )
 from posflock_robotarium.alignment.metrics.directions import (
     Alignment,
@@ -31,6 +33,8 @@ from posflock_robotarium.alignment.metrics.directions import (
     polarisation,
 )
 from posflock_robotarium.alignment.metrics.distances import (
+    distances_to_nearest,
+    mean_to_nearest,
     nearest_neighbour_distance,
     pairwise_distances,
     smallest_distance,
@@ -50,13 +54,17 @@ __all__ = [
     "SMOOTHING_POINTS",
     "Alignment",
     "algebraic_connectivity",
+    "algebraic_connectivity_of",
     "alignment",
     "cohesive_radius",
     "common_heading",
     "connected_components",
+    "connected_components_of",
+    "distances_to_nearest",
     "fastest_wheel",
     "heading_vectors",
     "mean_speed",
+    "mean_to_nearest",
     "nearest_neighbour_distance",
     "pairwise_change_variance",
     "pairwise_distance_variance",

@@ -48,6 +48,7 @@ def alignment(
     radius: float | Floats,
     *,
     slowest: float = 0.0,
+    heard: NDArray[np.bool_] | None = None,
 ) -> Alignment:
     """Return γ, the mean over agents of the mean cosine to their neighbours.
 
@@ -62,6 +63,8 @@ def alignment(
         Interaction radius in metres: who is whose neighbour.
     slowest : float
         Speed in m/s that does not count as moving.
+    heard : (..., N, N) boolean array, optional
+        Who is whose neighbour, where that is known already; row i marks the neighbours of i.
 
     Returns
     -------
@@ -82,7 +85,7 @@ def alignment(
     moving = beyond(speed, slowest)
     direction = np.divide(v, speed[..., None, :], out=np.zeros_like(v), where=moving[..., None, :])
     # Σ_j e_i·e_j = e_i · Σ_j e_j: no (N, N) matrix of cosines is needed.
-    number, around = _neighbour_sums(p, radius, moving, direction)
+    number, around = _neighbour_sums(p, radius, moving, direction, heard)
     cosines = (direction * around).sum(axis=-2)
     counts = moving & (number > 0)
     mean = np.divide(cosines, number, out=np.zeros_like(cosines), where=counts)
@@ -164,11 +167,15 @@ def _mean_direction(velocities: ArrayLike, slowest: float) -> Floats:
 
 
 def _neighbour_sums(
-    p: Floats, radius: float | Floats, moving: NDArray[np.bool_], direction: Floats
+    p: Floats,
+    radius: float | Floats,
+    moving: NDArray[np.bool_],
+    direction: Floats,
+    heard: NDArray[np.bool_] | None,
 ) -> tuple[NDArray[np.int_], Floats]:
     """Return how many moving neighbours each agent has, and the sum of their directions."""
     if p.shape[-1] < TREE_FROM_AGENTS or np.isnan(p).any():
-        heard = neighbours(p, radius) & moving[..., None, :]
+        heard = (neighbours(p, radius) if heard is None else heard) & moving[..., None, :]
         around = np.einsum("...ij,...dj->...di", heard.astype(float), direction)
         return heard.sum(axis=-1), around
     number, around = np.zeros(moving.shape, dtype=int), np.zeros_like(direction)

@@ -9,10 +9,28 @@ from barrier_certificates.wall_distance import wall_distances
 from posflock_robotarium.alignment.metrics.states import checked_states, of_each_flock
 from posflock_robotarium.alignment.of_seen import mean_of_seen
 from posflock_robotarium.flocking.errors import ParameterError
-from posflock_robotarium.flocking.law import displacements
 from posflock_robotarium.freespace.neighbour_search import TREE_FROM_AGENTS, nearest_distances
 
 Floats = NDArray[np.float64]
+
+
+def distances_to_nearest(positions: ArrayLike) -> Floats:
+    """Return each agent's distance to the nearest other.
+
+    Parameters
+    ----------
+    positions : (..., d, N) array
+        Positions, m.
+
+    Returns
+    -------
+    (..., N) array
+        The distances, m; infinite where an agent is alone.
+    """
+    p = checked_states(positions, "positions")
+    if p.shape[-1] >= TREE_FROM_AGENTS and not np.isnan(p).any():
+        return of_each_flock(nearest_distances, p)
+    return np.asarray(_distances(p).min(axis=-1))
 
 
 def nearest_neighbour_distance(positions: ArrayLike) -> Floats:
@@ -31,7 +49,22 @@ def nearest_neighbour_distance(positions: ArrayLike) -> Floats:
     (...) array
         The mean, m.
     """
-    nearest = _nearest(positions)
+    return mean_to_nearest(distances_to_nearest(positions))
+
+
+def mean_to_nearest(nearest: Floats) -> Floats:
+    """Return the mean over agents of the distance to the nearest other.
+
+    Parameters
+    ----------
+    nearest : (..., N) array
+        From `distances_to_nearest`, m.
+
+    Returns
+    -------
+    (...) array
+        The mean, m; NaN where nobody has another.
+    """
     if nearest.shape[-1] < 2:
         return np.full(nearest.shape[:-1], np.nan)
     alone = np.isinf(nearest)
@@ -51,7 +84,7 @@ def smallest_distance(positions: ArrayLike) -> Floats:
     (...) array
         The distance, m; infinite for one agent.
     """
-    return np.asarray(_nearest(positions).min(axis=-1))
+    return np.asarray(distances_to_nearest(positions).min(axis=-1))
 
 
 def wall_distance(positions: ArrayLike, arena: tuple[float, float, float, float]) -> Floats:
@@ -101,19 +134,14 @@ def pairwise_distances(positions: ArrayLike) -> Floats:
     return np.asarray(np.sqrt(np.square(offset).sum(axis=-2)))
 
 
-def _nearest(positions: ArrayLike) -> Floats:
-    """Return each agent's distance to the nearest other, (..., N); infinite where alone."""
-    p = checked_states(positions, "positions")
-    if p.shape[-1] >= TREE_FROM_AGENTS and not np.isnan(p).any():
-        return of_each_flock(nearest_distances, p)
-    return np.asarray(_distances(p).min(axis=-1))
-
-
-def _distances(positions: ArrayLike) -> Floats:
+def _distances(p: Floats) -> Floats:
     """Return ‖p_j − p_i‖ with infinity on the diagonal, (..., N, N)."""
-    offset = displacements(checked_states(positions, "positions"))
-    distance = np.sqrt(np.square(offset).sum(axis=-3))
+    squares = np.zeros((*p.shape[:-2], p.shape[-1], p.shape[-1]))
+    for x in np.moveaxis(p, -2, 0):
+        offset = x[..., np.newaxis, :] - x[..., :, np.newaxis]
+        squares += np.square(offset, out=offset)
+    distance: Floats = np.sqrt(squares, out=squares)
     distance[np.isnan(distance)] = np.inf
     agents = np.arange(distance.shape[-1])
     distance[..., agents, agents] = np.inf
-    return np.asarray(distance)
+    return distance
