@@ -37,12 +37,13 @@ def cosines_and_sines(angles: FloatArray, cosines: FloatArray, sines: FloatArray
         quarters = math.floor(angles[k] * _PER_QUARTER + 0.5) * 1.0
         r = (angles[k] - quarters * _QUARTER) - quarters * _QUARTER_REST
         z = r * r
-        tail = _S9 + z * (_S11 + z * (_S13 + z * _S15))
-        sine = r + r * z * (_S3 + z * (_S5 + z * (_S7 + z * tail)))
-        tail = _C10 + z * (_C12 + z * (_C14 + z * _C16))
-        cosine = 1.0 + z * (_C2 + z * (_C4 + z * (_C6 + z * (_C8 + z * tail))))
+        end_of_one = _S9 + z * (_S11 + z * (_S13 + z * _S15))
+        sine = r + r * z * (_S3 + z * (_S5 + z * (_S7 + z * end_of_one)))
+        end_of_other = _C10 + z * (_C12 + z * (_C14 + z * _C16))
+        cosine = 1.0 + z * (_C2 + z * (_C4 + z * (_C6 + z * (_C8 + z * end_of_other))))
         odd = quarters - 2.0 * math.floor(0.5 * quarters)
         turned = quarters - 4.0 * math.floor(0.25 * quarters)
-        one, other = (cosine, sine) if odd == 1.0 else (sine, cosine)
+        one = cosine if odd == 1.0 else sine
+        other = sine if odd == 1.0 else cosine
         sines[k] = -one if turned >= 2.0 else one
         cosines[k] = -other if (turned == 1.0) | (turned == 2.0) else other
