@@ -98,17 +98,19 @@ def copy(source: FloatArray, target: FloatArray) -> None:
 
 
 @compiled
-def product(rows: TeamRows, one: int, other: int) -> float:
+def product(
+    first: IntArray, second: IntArray, ax: FloatArray, ay: FloatArray, one: int, other: int
+) -> float:
     """Return the product of two rows.
 
     Parameters
     ----------
-    rows : TeamRows
-        All rows.
+    first, second, ax, ay : (m,) array
+        All rows, see `TeamRows`.
     one, other : int
         Which two.
     """
-    i, j, p, q = rows.first[one], rows.second[one], rows.first[other], rows.second[other]
+    i, j, p, q = first[one], second[one], first[other], second[other]
     times = 0
     if i == p:
         times += 1
@@ -121,17 +123,25 @@ def product(rows: TeamRows, one: int, other: int) -> float:
         times -= 1
     if times == 0:
         return 0.0
-    return times * (rows.ax[one] * rows.ax[other] + rows.ay[one] * rows.ay[other])
+    return times * (ax[one] * ax[other] + ay[one] * ay[other])
 
 
 @compiled
-def subtract(rows: TeamRows, row: int, times: float, velocity: FloatArray) -> None:
+def subtract(
+    first: IntArray,
+    second: IntArray,
+    ax: FloatArray,
+    ay: FloatArray,
+    row: int,
+    times: float,
+    velocity: FloatArray,
+) -> None:
     """Subtract a row from velocities so many times.
 
     Parameters
     ----------
-    rows : TeamRows
-        All rows.
+    first, second, ax, ay : (m,) array
+        All rows, see `TeamRows`.
     row : int
         Which one.
     times : float
@@ -139,7 +149,7 @@ def subtract(rows: TeamRows, row: int, times: float, velocity: FloatArray) -> No
     velocity : (2, N) array
         From what, in place.
     """
-    x, y, i, j = times * rows.ax[row], times * rows.ay[row], rows.first[row], rows.second[row]
+    x, y, i, j = times * ax[row], times * ay[row], first[row], second[row]
     velocity[0, i] -= x
     velocity[1, i] -= y
     if j >= 0:
@@ -148,13 +158,22 @@ def subtract(rows: TeamRows, row: int, times: float, velocity: FloatArray) -> No
 
 
 @compiled
-def append(rows: TeamRows, row: int, count: int, binding: IntArray, factor: FloatArray) -> bool:
+def append(
+    first: IntArray,
+    second: IntArray,
+    ax: FloatArray,
+    ay: FloatArray,
+    row: int,
+    count: int,
+    binding: IntArray,
+    factor: FloatArray,
+) -> bool:
     """Add a row to the binding ones, unless it depends on them; return whether it was added.
 
     Parameters
     ----------
-    rows : TeamRows
-        All rows.
+    first, second, ax, ay : (m,) array
+        All rows, see `TeamRows`.
     row : int
         Which one.
     count : int
@@ -164,9 +183,9 @@ def append(rows: TeamRows, row: int, count: int, binding: IntArray, factor: Floa
     factor : (S + 1, S + 1) array
         Their factor, which grows by a line.
     """
-    square = left = product(rows, row, row)
+    square = left = product(first, second, ax, ay, row, row)
     for a in range(count):
-        value = product(rows, row, binding[a])
+        value = product(first, second, ax, ay, row, binding[a])
         for b in range(a):
             value -= factor[count, b] * factor[a, b]
         value *= factor[a, a]  # the diagonal holds inverses
@@ -219,9 +238,12 @@ def project_on(rows: TeamRows, space: Space, count: int) -> None:
     count : int
         Number of binding rows.
     """
+    first, second, ax, ay, _ = rows
+    target, point, excess, binding = space.target, space.point, space.excess, space.binding
+    right, multiplier, factor = space.right, space.multiplier, space.factor
     for a in range(count):
-        space.right[a] = space.excess[space.binding[a]]
-    solve(count, space.factor, space.right, space.multiplier)
-    copy(space.target, space.point)
+        right[a] = excess[binding[a]]
+    solve(count, factor, right, multiplier)
+    copy(target, point)
     for a in range(count):
-        subtract(rows, space.binding[a], space.multiplier[a], space.point)
+        subtract(first, second, ax, ay, binding[a], multiplier[a], point)

@@ -226,7 +226,11 @@ class BatchCertificate:
         one: _One,
     ) -> tuple[FloatArray, BatchInfo]:
         teams = desired.shape[0]
-        velocity, status, numbers = np.empty(desired.shape), np.empty(teams, np.intp), np.empty((4, teams))
+        velocity, status, numbers = (
+            np.empty(desired.shape),
+            np.empty(teams, np.intp),
+            np.empty((4, teams)),
+        )
         answers = self._answers._replace(velocity=velocity, status=status, numbers=numbers)
         status[:] = UNANSWERED
         if self.compiled:

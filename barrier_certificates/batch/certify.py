@@ -100,7 +100,9 @@ def certify_teams(
     rows = rows_in(pattern)
     barrier = np.zeros(2)
     for team in range(first, last):
-        certify_team(recipe, drive, rows, space, barrier, desired[team], states[team], team, answers)
+        certify_team(
+            recipe, drive, rows, space, barrier, desired[team], states[team], team, answers
+        )
 
 
 @compiled
@@ -186,50 +188,59 @@ def _is_plain(numbers: FloatArray) -> bool:
 def _place(drive: Drive, states: FloatArray, desired: FloatArray, space: Space) -> None:
     """Write positions, headings and the target of the points that are certified."""
     number, distance = desired.shape[1], drive.distance
-    if distance == 0.0:
+    position, target, cosine, sine = (
+        space.position,
+        space.target,
+        space.heading[0],
+        space.heading[1],
+    )
+    for k in range(number):
+        position[0, k], position[1, k] = states[0, k], states[1, k]
+        target[0, k], target[1, k] = desired[0, k], desired[1, k]
+    if distance > 0.0:
+        cosines_and_sines(states[2], cosine, sine)
         for k in range(number):
-            space.position[0, k], space.position[1, k] = states[0, k], states[1, k]
-            space.target[0, k], space.target[1, k] = desired[0, k], desired[1, k]
-        return
-    cosines_and_sines(states[2], space.heading[0], space.heading[1])
-    for k in range(number):
-        space.position[0, k] = states[0, k] + distance * space.heading[0, k]
-        space.position[1, k] = states[1, k] + distance * space.heading[1, k]
-    if not drive.commands:
-        copy(desired, space.target)
-        return
-    for k in range(number):
-        ahead, aside = desired[0, k], distance * desired[1, k]
-        if drive.time_step > 0.0:
+            position[0, k] += distance * cosine[k]
+            position[1, k] += distance * sine[k]
+        if drive.commands:
+            _to_points(drive, target, cosine, sine)
+
+
+@compiled
+def _to_points(drive: Drive, target: FloatArray, cosine: FloatArray, sine: FloatArray) -> None:
+    """Make velocities of projection points of unicycle commands, in place."""
+    distance, step = drive.distance, drive.time_step
+    for k in range(target.shape[1]):
+        ahead, aside = target[0, k], distance * target[1, k]
+        if step > 0.0:
             # Beyond a quarter turn a step cannot be told from a shorter one.
-            angle = drive.time_step * desired[1, k]
-            angle = min(max(angle, -0.5 * math.pi), 0.5 * math.pi)
-            ahead -= distance * (1.0 - math.cos(angle)) / drive.time_step
-            aside = distance * math.sin(angle) / drive.time_step
-        space.target[0, k] = ahead * space.heading[0, k] - aside * space.heading[1, k]
-        space.target[1, k] = ahead * space.heading[1, k] + aside * space.heading[0, k]
-    return True
+            angle = min(max(step * target[1, k], -0.5 * math.pi), 0.5 * math.pi)
+            ahead -= distance * (1.0 - math.cos(angle)) / step
+            aside = distance * math.sin(angle) / step
+        target[0, k] = ahead * cosine[k] - aside * sine[k]
+        target[1, k] = ahead * sine[k] + aside * cosine[k]
 
 
 @compiled
 def _answer(drive: Drive, space: Space, count: int, team: int, answers: Answers) -> None:
     """Write the answer, what it cost, and which rows bind."""
-    change, most = 0.0, 0.0
-    for k in range(space.target.shape[1]):
-        x, y = space.point[0, k], space.point[1, k]
-        dx, dy = x - space.target[0, k], y - space.target[1, k]
+    change, most, point, target, gap = 0.0, 0.0, space.point, space.target, space.gap
+    heading, velocity = space.heading, answers.velocity
+    for k in range(target.shape[1]):
+        x, y = point[0, k], point[1, k]
+        dx, dy = x - target[0, k], y - target[1, k]
         change = max(change, dx * dx + dy * dy)
         if drive.commands:
-            cosine, sine = space.heading[0, k], space.heading[1, k]
+            cosine, sine = heading[0, k], heading[1, k]
             forward, turn = x * cosine + y * sine, (y * cosine - x * sine) / drive.distance
             if drive.time_step > 0.0:
                 angle = math.asin(min(max(drive.time_step * turn, -1.0), 1.0))
                 forward += drive.distance * (1.0 - math.cos(angle)) / drive.time_step
                 turn = angle / drive.time_step
             x, y = forward, turn
-        answers.velocity[team, 0, k], answers.velocity[team, 1, k] = x, y
-    for row in range(space.gap.shape[0]):
-        most = max(most, space.gap[row])
+        velocity[team, 0, k], velocity[team, 1, k] = x, y
+    for row in range(gap.shape[0]):
+        most = gap[row] if gap[row] > most else most
     answers.numbers[0, team], answers.numbers[1, team] = most, math.sqrt(change)
     answers.count[team] = count
     for a in range(count):

@@ -53,9 +53,7 @@ def is_compiled(engine: str) -> bool:
         If numba is asked for but not installed; the message says what brings it.
     """
     if engine not in get_args(Engine):
-        raise ParameterError(
-            f"engine is {engine!r}; expected one of {', '.join(get_args(Engine))}"
-        )
+        raise ParameterError(f"engine is {engine!r}; expected one of {', '.join(get_args(Engine))}")
     if engine == "numba" and not numba_is_installed():
         raise EngineNotInstalledError(
             "engine 'numba' needs numba, which is not installed: pip install "

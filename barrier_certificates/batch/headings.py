@@ -20,7 +20,10 @@ _PER_QUARTER = 2.0 / math.pi
 
 # Coefficients of the two series: (−1)ᵏ/(2k+1)! and (−1)ᵏ/(2k)!
 _S3, _S5, _S7, _S9, _S11, _S13, _S15 = ((-1) ** k / math.factorial(2 * k + 1) for k in range(1, 8))
-_C2, _C4, _C6, _C8, _C10, _C12, _C14, _C16 = ((-1) ** k / math.factorial(2 * k) for k in range(1, 9))
+_C2, _C4, _C6, _C8, _C10, _C12, _C14, _C16 = (
+    (-1) ** k / math.factorial(2 * k) for k in range(1, 9)
+)
+
 
 @compiled
 def cosines_and_sines(angles: FloatArray, cosines: FloatArray, sines: FloatArray) -> None:

@@ -52,31 +52,33 @@ def guess(rows: TeamRows, space: Space, warm: int, worst: float) -> int:
     worst : float
         The largest excess, m/s.
     """
+    first, second, ax, ay, _ = rows
+    binding, factor, gap, multiplier = space.binding, space.factor, space.gap, space.multiplier
     size, count = 2 * space.target.shape[1], warm
     for _ in range(_GUESSES):
         if count == 0:
             count = _worst_of_each_robot(rows, space)
         kept = 0
         for a in range(count):
-            if append(rows, space.binding[a], kept, space.binding, space.factor):
+            if append(first, second, ax, ay, binding[a], kept, binding, factor):
                 kept += 1
         count = kept
         project_on(rows, space, count)
-        most = write_excess(rows, space.point, space.least, space.gap)
+        most = write_excess(rows, space.point, space.least, gap)
         if _proves(space, count, most, worst):
             return count
         kept = 0
         for a in range(count):
-            if space.multiplier[a] >= 0.0:
-                space.gap[space.binding[a]] = -math.inf  # it stays; not to be added again
-                space.binding[kept] = space.binding[a]
+            if multiplier[a] >= 0.0:
+                gap[binding[a]] = -math.inf  # it stays; not to be added again
+                binding[kept] = binding[a]
                 kept += 1
         count = kept
-        for row in range(space.gap.shape[0]):
-            if space.gap[row] > TOLERANCE:
+        for row in range(gap.shape[0]):
+            if gap[row] > TOLERANCE:
                 if count >= size:
                     return NOT_FOUND
-                space.binding[count] = row
+                binding[count] = row
                 count += 1
     return NOT_FOUND
 
@@ -84,18 +86,19 @@ def guess(rows: TeamRows, space: Space, warm: int, worst: float) -> int:
 @compiled
 def _worst_of_each_robot(rows: TeamRows, space: Space) -> int:
     """Bind the row that each robot's command breaks most; return how many."""
+    first, least, binding, excess = rows.first, space.least, space.binding, space.excess
     number, count = space.target.shape[1], 0
     for robot in range(number):
-        space.least[robot] = TOLERANCE
-        space.binding[robot] = NOT_FOUND
-    for row in range(space.excess.shape[0]):
-        robot = rows.first[row]
-        if space.excess[row] > space.least[robot]:
-            space.least[robot] = space.excess[row]
-            space.binding[robot] = row
+        least[robot] = TOLERANCE
+        binding[robot] = NOT_FOUND
+    for row in range(excess.shape[0]):
+        robot = first[row]
+        if excess[row] > least[robot]:
+            least[robot] = excess[row]
+            binding[robot] = row
     for robot in range(number):
-        if space.binding[robot] != NOT_FOUND:
-            space.binding[count] = space.binding[robot]
+        if binding[robot] != NOT_FOUND:
+            binding[count] = binding[robot]
             count += 1
     return count
 
@@ -105,11 +108,9 @@ def _proves(space: Space, count: int, most: float, worst: float) -> bool:
     """Whether nothing is broken, no row pulls, and binding rows hold as equations."""
     if not most <= TOLERANCE:
         return False
+    multiplier, gap, binding = space.multiplier, space.gap, space.binding
     for a in range(count):
-        if not (
-            space.multiplier[a] >= 0.0
-            and -space.gap[space.binding[a]] <= _TIGHT * max(1.0, worst)
-        ):
+        if not (multiplier[a] >= 0.0 and -gap[binding[a]] <= _TIGHT * max(1.0, worst)):
             return False
     return True
 
@@ -148,55 +149,56 @@ def climb(rows: TeamRows, space: Space, worst: float) -> int:
 
 @compiled
 def _most_broken(space: Space) -> int:
-    row, most = NOT_FOUND, _CLOSER
-    for candidate in range(space.gap.shape[0]):
-        if space.gap[candidate] > most:
-            row, most = candidate, space.gap[candidate]
+    gap, row, most = space.gap, NOT_FOUND, _CLOSER
+    for candidate in range(gap.shape[0]):
+        if gap[candidate] > most:
+            row, most = candidate, gap[candidate]
     return row
 
 
 @compiled
 def _take_up(rows: TeamRows, space: Space, row: int, count: int, multiplier: FloatArray) -> int:
     """Move until a broken row holds, dropping rows that would begin to pull on the way."""
-    broken, pushed = space.gap[row], 0.0
+    first, second, ax, ay, _ = rows
+    binding, factor, right, along = space.binding, space.factor, space.right, space.multiplier
+    step, point, broken, pushed = space.step, space.point, space.gap[row], 0.0
     while True:
         for a in range(count):
-            space.right[a] = product(rows, row, space.binding[a])
-        solve(count, space.factor, space.right, space.multiplier)
-        step = space.step
+            right[a] = product(first, second, ax, ay, row, binding[a])
+        solve(count, factor, right, along)
         for robot in range(step.shape[1]):
             step[0, robot] = step[1, robot] = 0.0
-        subtract(rows, row, 1.0, step)
+        subtract(first, second, ax, ay, row, 1.0, step)
         for a in range(count):
-            subtract(rows, space.binding[a], -space.multiplier[a], step)
+            subtract(first, second, ax, ay, binding[a], -along[a], step)
         length = 0.0
         for robot in range(step.shape[1]):
             length += step[0, robot] * step[0, robot] + step[1, robot] * step[1, robot]
         whole = broken / length if length > 1e-12 else math.inf
         part, dropped = math.inf, NOT_FOUND
         for a in range(count):
-            if space.multiplier[a] > 1e-12 and multiplier[a] < part * space.multiplier[a]:
-                part, dropped = multiplier[a] / space.multiplier[a], a
+            if along[a] > 1e-12 and multiplier[a] < part * along[a]:
+                part, dropped = multiplier[a] / along[a], a
         way = min(whole, part)
         if way == math.inf:
             return NOT_FOUND  # the row contradicts those that bind
         for a in range(count):
-            multiplier[a] -= way * space.multiplier[a]
+            multiplier[a] -= way * along[a]
         pushed += way
         if whole < math.inf:
             for robot in range(step.shape[1]):
-                space.point[0, robot] += way * step[0, robot]
-                space.point[1, robot] += way * step[1, robot]
+                point[0, robot] += way * step[0, robot]
+                point[1, robot] += way * step[1, robot]
             broken -= way * length
         if whole <= part:
-            if not append(rows, row, count, space.binding, space.factor):
+            if not append(first, second, ax, ay, row, count, binding, factor):
                 return NOT_FOUND
             multiplier[count] = pushed
             return count + 1
         kept = dropped
         for a in range(dropped + 1, count):
             multiplier[kept] = multiplier[a]
-            if not append(rows, space.binding[a], kept, space.binding, space.factor):
+            if not append(first, second, ax, ay, binding[a], kept, binding, factor):
                 return NOT_FOUND
             kept += 1
         count = kept

@@ -76,17 +76,19 @@ def _any(sizes: FloatArray) -> bool:
 
 @compiled
 def _write_limits(recipe: Recipe, rows: TeamRows, heading: FloatArray) -> int:
+    _, _, ax, ay, bound = rows
+    cosine, sine = heading[0], heading[1]
     number, start = heading.shape[1], 0
     for side in range(recipe.limits.shape[1]):
         x, y = recipe.limits[0, side], recipe.limits[1, side]
         for k in range(number):
             if recipe.limits_turn:
-                rows.ax[start + k] = x * heading[0, k] - y * heading[1, k]
-                rows.ay[start + k] = y * heading[0, k] + x * heading[1, k]
+                ax[start + k] = x * cosine[k] - y * sine[k]
+                ay[start + k] = y * cosine[k] + x * sine[k]
             else:
-                rows.ax[start + k] = x
-                rows.ay[start + k] = y
-            rows.bound[start + k] = recipe.limits[2, side]
+                ax[start + k] = x
+                ay[start + k] = y
+            bound[start + k] = recipe.limits[2, side]
         start += number
     return start
 
@@ -100,16 +102,18 @@ def _write_walls(
     least: FloatArray,
     barrier: FloatArray,
 ) -> int:
+    _, _, ax, ay, bound = rows
+    px, py = position[0], position[1]
     number, safe, unsafe = position.shape[1], recipe.gains[0, 0], recipe.gains[0, 1]
     for k in range(number):
         least[k] = math.inf
     for wall in range(recipe.walls.shape[1]):
         x, y, inner = recipe.walls[0, wall], recipe.walls[1, wall], recipe.walls[2, wall]
         for k in range(number):
-            gap = inner - (x * position[0, k] + y * position[1, k])
-            rows.ax[start + k] = x
-            rows.ay[start + k] = y
-            rows.bound[start + k] = gap * gap * gap * (unsafe if gap < 0.0 else safe)
+            gap = inner - (x * px[k] + y * py[k])
+            ax[start + k] = x
+            ay[start + k] = y
+            bound[start + k] = gap * gap * gap * (unsafe if gap < 0.0 else safe)
             least[k] = gap if gap < least[k] else least[k]
         start += number
     for k in range(number):
@@ -123,11 +127,13 @@ def _write_obstacles(
     recipe: Recipe, rows: TeamRows, position: FloatArray, start: int, barrier: FloatArray
 ) -> int:
     """Write the rows of all obstacles; −1 where a robot is in the very middle of one."""
+    _, _, ax, ay, bound = rows
+    px, py = position[0], position[1]
     number, safe, unsafe = position.shape[1], recipe.gains[1, 0], recipe.gains[1, 1]
     table = recipe.obstacles
     for o in range(table.shape[1]):
         for k in range(number):
-            from_x, from_y = position[0, k] - table[0, o], position[1, k] - table[1, o]
+            from_x, from_y = px[k] - table[0, o], py[k] - table[1, o]
             part = (from_x * table[2, o] + from_y * table[3, o]) * table[4, o]
             part = min(max(part, 0.0), 1.0)
             x, y = from_x - part * table[2, o], from_y - part * table[3, o]
@@ -137,10 +143,10 @@ def _write_obstacles(
             h = square - table[7, o] * table[7, o]
             distance = math.sqrt(square)
             x, y = x / distance, y / distance
-            rows.ax[start + k] = -x
-            rows.ay[start + k] = -y
+            ax[start + k] = -x
+            ay[start + k] = -y
             gain = unsafe if h < 0.0 else safe
-            rows.bound[start + k] = gain * (h * h * h) / distance - (x * table[5, o] + y * table[6, o])
+            bound[start + k] = gain * (h * h * h) / distance - (x * table[5, o] + y * table[6, o])
             if distance - table[7, o] < barrier[1] - TIE:
                 barrier[0], barrier[1] = h, distance - table[7, o]
         start += number
@@ -157,21 +163,23 @@ def _write_pairs(
     barrier: FloatArray,
 ) -> int:
     """Write the rows of all pairs; −1 where two robots are at one point."""
+    _, _, ax, ay, bound = rows
+    px, py = position[0], position[1]
     number, radius, square_radius = position.shape[1], recipe.pairs[0], recipe.pairs[1]
     safe, unsafe = recipe.gains[2, 0], recipe.gains[2, 1]
     for k in range(number):
         least[k] = math.inf
     for i in range(number - 1):
-        x, y, row = position[0, i], position[1, i], start - i - 1
+        x, y, row = px[i], py[i], start - i - 1
         for j in range(i + 1, number):
-            dx, dy = x - position[0, j], y - position[1, j]
+            dx, dy = x - px[j], y - py[j]
             square = dx * dx + dy * dy
             least[j] = square if square < least[j] else least[j]
             scale = _INVERSE_ROOT_2 / math.sqrt(square)
             h = square - square_radius
-            rows.ax[row + j] = -(dx * scale)
-            rows.ay[row + j] = -(dy * scale)
-            rows.bound[row + j] = h * h * h * (scale * (unsafe if h < 0.0 else safe))
+            ax[row + j] = -(dx * scale)
+            ay[row + j] = -(dy * scale)
+            bound[row + j] = h * h * h * (scale * (unsafe if h < 0.0 else safe))
         start += number - i - 1
     nearest = math.inf
     for k in range(1, number):
@@ -189,13 +197,15 @@ def _allow_for_wheels(
     rows: TeamRows, heading: FloatArray, sizes: FloatArray, start: int, stop: int
 ) -> None:
     """Lower bounds by the worst that the wheels of a row's robots may do on their own."""
+    first, second, ax, ay, bound = rows
+    cosine, sine = heading[0], heading[1]
     for row in range(start, stop):
-        x, y = rows.ax[row], rows.ay[row]
-        for robot in (rows.first[row], rows.second[row]):
+        x, y = ax[row], ay[row]
+        for robot in (first[row], second[row]):
             if robot >= 0:
-                along = abs(x * heading[0, robot] + y * heading[1, robot]) * sizes[0]
-                across = abs(y * heading[0, robot] - x * heading[1, robot]) * sizes[1]
-                rows.bound[row] -= max(along, across)
+                along = abs(x * cosine[robot] + y * sine[robot]) * sizes[0]
+                across = abs(y * cosine[robot] - x * sine[robot]) * sizes[1]
+                bound[row] -= max(along, across)
 
 
 @compiled
@@ -220,22 +230,23 @@ def write_excess(
     float
         The largest of it, m/s.
     """
-    number, total, row = velocity.shape[1], rows.bound.shape[0], 0
+    _, second, ax, ay, bound = rows
+    number, total, row = velocity.shape[1], bound.shape[0], 0
+    vx, vy = velocity[0], velocity[1]
     for k in range(number):
         most[k] = -math.inf
-    while row < total and rows.second[row] < 0:
+    while row < total and second[row] < 0:
         for k in range(number):
-            left = rows.ax[row + k] * velocity[0, k] + rows.ay[row + k] * velocity[1, k]
-            over = left - rows.bound[row + k]
+            over = ax[row + k] * vx[k] + ay[row + k] * vy[k] - bound[row + k]
             excess[row + k] = over
             most[k] = over if over > most[k] else most[k]
         row += number
     if row < total:
         for i in range(number - 1):
-            x, y, before = velocity[0, i], velocity[1, i], row - i - 1
+            x, y, before = vx[i], vy[i], row - i - 1
             for j in range(i + 1, number):
-                left = rows.ax[before + j] * (x - velocity[0, j])
-                over = left + rows.ay[before + j] * (y - velocity[1, j]) - rows.bound[before + j]
+                left = ax[before + j] * (x - vx[j]) + ay[before + j] * (y - vy[j])
+                over = left - bound[before + j]
                 excess[before + j] = over
                 most[j] = over if over > most[j] else most[j]
             row += number - i - 1

@@ -153,8 +153,16 @@ class BatchArena:
         if fresh:
             self.commands = self._checked(self.commands)
         if self.compiled and self._realism is None:
-            over_teams(drive_teams, len(self.poses), self.threads, self._constants, self.poses,
-                       self.commands, self._tally, steps)
+            over_teams(
+                drive_teams,
+                len(self.poses),
+                self.threads,
+                self._constants,
+                self.poses,
+                self.commands,
+                self._tally,
+                steps,
+            )
             self.velocities = self.commands
         else:
             for step in range(steps):

@@ -28,7 +28,9 @@ from rps_compat.batch.batch_violations import (
 )
 from rps_compat.testbed import RobotModel
 
-_AXLE, _PER_RADIUS, _HALF_RADIUS, _RADIUS_PER_AXLE, _LIMIT, _AHEAD, _TOO_CLOSE, _TIME_STEP = range(8)
+_AXLE, _PER_RADIUS, _HALF_RADIUS, _RADIUS_PER_AXLE, _LIMIT, _AHEAD, _TOO_CLOSE, _TIME_STEP = range(
+    8
+)
 _X_MIN, _X_MAX, _Y_MIN, _Y_MAX = range(8, 12)
 
 
