@@ -1,8 +1,8 @@
 """The linear algebra of the rows that bind in one team: compiled.
 
-With the binding rows as the rows of A, the point nearest to a target on all of them is ``x̂ − Aᵀλ``
-with ``A Aᵀ λ = A x̂ − b``. Rows touch two robots at most, so an entry of ``A Aᵀ`` is a product of two
-vectors or nothing; its Cholesky factor grows by a line where a row is added.
+With the binding rows as the rows of A, the point nearest to a target on all of them is
+``x̂ − Aᵀλ`` with ``A Aᵀ λ = A x̂ − b``. Rows touch two robots at most, so an entry of ``A Aᵀ`` is a
+product of two vectors or nothing; its Cholesky factor grows by a line where a row is added.
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ from barrier_certificates.array_types import BoolArray, FloatArray
 from barrier_certificates.batch.batch_info import BatchInfo, numbers_of
 from barrier_certificates.batch.certify import UNANSWERED, Answers, Drive, certify_teams
 from barrier_certificates.batch.compiling import Engine, is_compiled, over_teams
-from barrier_certificates.batch.layout import Recipe, recipe_of, rows_of
+from barrier_certificates.batch.layout import Recipe, TeamRows, recipe_of, rows_of
 from barrier_certificates.certificate import Certificate
 from barrier_certificates.certificate_errors import ParameterError, ShapeError
 from barrier_certificates.late.late_certificate import LateCertificate
@@ -189,6 +189,49 @@ class BatchCertificate:
         """
         if self._prediction is not None:
             self._prediction.sent(_together(commands))
+
+    @property
+    def distance(self) -> float:
+        """How far ahead of the axle the projection points lie, m; 0 for robots without headings."""
+        return self._drive.distance
+
+    def prepared(self, poses: FloatArray) -> tuple[Recipe, Drive, TeamRows, Answers]:
+        """Return what compiled rollouts take; the answers are those of this certificate.
+
+        Parameters
+        ----------
+        poses : (B, 3, N) array
+            Poses of the robots, m and rad.
+        """
+        self._checked(np.zeros((poses.shape[0], 2, poses.shape[2])), poses)
+        return self._placed(None), self._drive, self._pattern, self._answers
+
+    def answer_alone(
+        self, team: int, poses: FloatArray, answers: Answers
+    ) -> tuple[int, FloatArray]:
+        """Let a single certificate answer for a team.
+
+        Parameters
+        ----------
+        team : int
+            Which team.
+        poses : (3, N) array
+            Its poses, m and rad.
+        answers : Answers
+            Its velocities are the desired commands, and become the safe ones.
+
+        Returns
+        -------
+        status : int
+            A key of `STATUSES`.
+        numbers : (4,) array
+            Violation and intervention, m/s; clearance, m; smallest h.
+        """
+        self._alone.reset()
+        answers.velocity[team], info = _call(
+            self._alone, answers.velocity[team].copy(), poses, None
+        )
+        return numbers_of(info)
 
     def _checked(self, desired: Any, states: Any) -> tuple[FloatArray, FloatArray]:
         first = np.ascontiguousarray(desired, dtype=float)

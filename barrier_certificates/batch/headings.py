@@ -13,7 +13,7 @@ import math
 from barrier_certificates.array_types import FloatArray
 from barrier_certificates.batch.compiling import compiled
 
-#: A quarter turn as the sum of 33 bits and the rest, so that small multiples of the first are exact.
+#: A quarter turn as the sum of 33 bits and the rest: small multiples of the first are exact.
 _QUARTER = math.floor(0.5 * math.pi * 2.0**32) / 2.0**32
 _QUARTER_REST = 6.077100506506192e-11
 _PER_QUARTER = 2.0 / math.pi

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from barrier_certificates.batch.compiling import Engine, is_compiled, over_teams
 from rps_compat.arena import require_finite
 from rps_compat.arena_guests import Array
-from rps_compat.batch.batch_effects import begin, move
+from rps_compat.batch.batch_effects import BatchRealism, begin, move
 from rps_compat.batch.batch_violations import BatchViolations, empty_tally
 from rps_compat.batch.step_arrays import judged
 from rps_compat.batch.step_kernel import constants_of, drive_teams
@@ -56,6 +56,8 @@ class BatchArena:
         Velocities really driven in the last step, m/s and rad/s.
     steps : int
         Steps done.
+    constants, tally, realism
+        What steps are made of, counted in, and disturbed by; for rollouts.
 
     Raises
     ------
@@ -100,18 +102,18 @@ class BatchArena:
         self.velocities: Array = self.commands
         self.steps = 0
         self._held = self.commands
-        self._constants = constants_of(robot)
-        self._tally = empty_tally(teams, robots)
+        self.constants = constants_of(robot)
+        self.tally = empty_tally(teams, robots)
         self._observed: Array | None = None
-        self._realism = None
+        self.realism: BatchRealism | None = None
         if realism is not None:
             generators = _generators(seeds, teams)
-            self._realism = begin(realism, self.poses, robot.time_step, generators)
+            self.realism = begin(realism, self.poses, robot.time_step, generators)
 
     @property
     def violations(self) -> BatchViolations:
         """What would be held against each team so far."""
-        return BatchViolations.of(self._tally)
+        return BatchViolations.of(self.tally)
 
     @property
     def time(self) -> float:
@@ -120,10 +122,10 @@ class BatchArena:
 
     def observe(self) -> Array:
         """Poses (B, 3, N) as the tracking system reports them; without realism the true ones."""
-        if self._realism is None:
+        if self.realism is None:
             return self.poses
         if self._observed is None:
-            self._observed = self._realism.observe(self.poses)
+            self._observed = self.realism.observe(self.poses)
         return self._observed
 
     def step(self) -> None:
@@ -152,15 +154,15 @@ class BatchArena:
         fresh = self.commands is not self._held
         if fresh:
             self.commands = self._checked(self.commands)
-        if self.compiled and self._realism is None:
+        if self.compiled and self.realism is None:
             over_teams(
                 drive_teams,
                 len(self.poses),
                 self.threads,
-                self._constants,
+                self.constants,
                 self.poses,
                 self.commands,
-                self._tally,
+                self.tally,
                 steps,
             )
             self.velocities = self.commands
@@ -171,14 +173,40 @@ class BatchArena:
         self._observed = None
         self.steps += steps
 
+    def step_team(self, team: int, commands: Array) -> None:
+        """Do a step of one team alone, in the ideal arena; `rolled` tells when all have done it.
+
+        Parameters
+        ----------
+        team : int
+            Which team.
+        commands : (B, 2, N) array
+            Commands of all teams, of which its own are cut in place at the wheels' limits.
+        """
+        drive_teams(team, team + 1, self.constants, self.poses, commands, self.tally, 1)
+
+    def rolled(self, commands: Array, steps: int) -> None:
+        """Take note of steps that were done elsewhere.
+
+        Parameters
+        ----------
+        commands : (B, 2, N) array
+            The commands at last, m/s and rad/s.
+        steps : int
+            How many steps.
+        """
+        self.commands = self._held = self.velocities = commands.copy()
+        self._observed = None
+        self.steps += steps
+
     def _step(self, fresh: bool) -> None:
-        admitted = judged(self.robot, self.poses, self.commands, self._tally)
+        admitted = judged(self.robot, self.poses, self.commands, self.tally)
         self.commands = self.velocities = admitted
-        if self._realism is None:
+        if self.realism is None:
             move(admitted, self.poses, self.robot.time_step)
         else:
             seconds = self.robot.time_step
-            self.velocities = self._realism.drive(admitted, self.poses, seconds, fresh)
+            self.velocities = self.realism.drive(admitted, self.poses, seconds, fresh)
 
     def _checked(self, commands: Array) -> Array:
         """Copy commands that can be driven."""
