@@ -56,6 +56,21 @@ class RowAllowance(NamedTuple):
 EXACT = RowAllowance()
 
 
+class RowFamilies(NamedTuple):
+    """What writes a certificate's rows; None where it has none of that kind.
+
+    Attributes
+    ----------
+    limits, walls, obstacles, pairs : row families
+        In the order in which they are written.
+    """
+
+    limits: LimitRows | None
+    walls: WallRows | None
+    obstacles: ObstacleRows
+    pairs: PairRows | None
+
+
 @dataclass(frozen=True)
 class Certificate(ABC):
     """What is kept apart from what, how firmly, and how that is solved.
@@ -159,6 +174,12 @@ class Certificate(ABC):
     def reset(self) -> None:
         """Forget the steps so far: which rows bound, and for how long robots have been held."""
         self._memory.reset()
+
+    def row_families(self) -> RowFamilies:
+        """Return what writes the rows; a call with other obstacles moves those in here."""
+        memory = self._memory
+        limits = self._motor_limits() if self.limits is None else self.limits
+        return RowFamilies(limits, memory.walls, memory.obstacles, memory.book.pairs)
 
     @abstractmethod
     def _motor_limits(self) -> LimitRows | None:

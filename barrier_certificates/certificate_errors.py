@@ -5,6 +5,7 @@ That results cannot be written is said by all three packages, and so stands here
 
 __all__ = [
     "CertificateError",
+    "EngineNotInstalledError",
     "InfeasibleError",
     "NotFiniteError",
     "OutputError",
@@ -48,3 +49,7 @@ class NotFiniteError(CertificateError, ValueError):
 
 class SolverNotInstalledError(CertificateError, ImportError):
     """The solver asked for by name is not installed; the message says which extra brings it."""
+
+
+class EngineNotInstalledError(CertificateError, ImportError):
+    """Compiled code was asked for where nothing compiles; the message says which extra does."""

@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 
 _TWO = np.array(2.0)
 # A robot that stops at half a turn keeps the sign that it came with, whatever its last bit.
-_WRAPPED_BEYOND = float(np.pi) + TIE
+WRAPPED_BEYOND = float(np.pi) + TIE
 
 
 class Arena:
@@ -320,7 +320,7 @@ class Arena:
         y += distance * sine
         theta += seconds * velocities[1]
         turned = np.abs(theta)
-        if turned[turned.argmax()] > _WRAPPED_BEYOND:
+        if turned[turned.argmax()] > WRAPPED_BEYOND:
             np.arctan2(np.sin(theta), np.cos(theta), out=theta)
 
 

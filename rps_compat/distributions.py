@@ -8,6 +8,7 @@ value a robot. A :class:`Curve` is a factor that depends on how fast the robot i
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -114,6 +115,8 @@ class RobotDistribution:
         ProfileError
             Where the profile lists another number of robots than the run has.
         """
+        if hasattr(rng, "each"):  # many teams, of which each draws for itself
+            return cast(Array, rng.each(robots, lambda one, number: self.draw(number, one)))
         if self.kind is DistributionKind.CONSTANT:
             return np.full(robots, self.values[0])
         if self.kind is DistributionKind.UNIFORM:

@@ -49,6 +49,7 @@ True
 from __future__ import annotations
 
 import zlib
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -230,20 +231,47 @@ class Imperfections(Realism, HearsSilence, KeepsTime):
 
     def reset(self, poses: Array, time_step: float, rng: np.random.Generator) -> None:
         """Begin a run."""
-        robots = poses.shape[1]
         root = int(rng.integers(2**63))
+        self.begin(poses.shape[1], time_step, lambda name: self.stream(root, name))
+
+    def begin(
+        self, robots: int, time_step: float, stream_of: Callable[[str], np.random.Generator]
+    ) -> None:
+        """Begin a run with a random stream for each effect.
+
+        Parameters
+        ----------
+        robots : int
+            Number of robots, N.
+        time_step : float
+            Duration of a step, s.
+        stream_of : callable
+            From an effect's name to its stream.
+        """
         self.seconds = self._before = time_step
         self._times = lambda: (time_step,)
         self._speeds, self._age = np.zeros(robots), np.zeros(robots)
         self._motors, self._tracking = [], []
         for name in self.profile.effects:
             effect = getattr(self.profile, name)
-            stream = np.random.default_rng([root, zlib.crc32(name.encode())])
-            begun = effect.begin(robots, time_step, stream)
+            begun = effect.begin(robots, time_step, stream_of(name))
             if name == "clock":
                 self._times = begun
             else:
                 (self._tracking if name in _TRACKING else self._motors).append(begun)
+
+    @staticmethod
+    def stream(root: int, name: str) -> np.random.Generator:
+        """Return the random stream of one effect.
+
+        Parameters
+        ----------
+        root : int
+            What a run drew first.
+        name : str
+            The effect's name.
+        """
+        return np.random.default_rng([root, zlib.crc32(name.encode())])
 
     def parts(self) -> tuple[float, ...]:
         """Return the seconds of the parts in which the coming step is driven."""

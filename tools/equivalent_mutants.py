@@ -81,7 +81,7 @@ EQUIVALENT: list[tuple[str, str, str, str]] = [
     ("arena.py", "< y_min", "Lt to LtE", _NOBODY),
     ("arena.py", "> y_max", "Gt to GtE", _NOBODY),
     ("arena.py", "<= reach", "LtE to Lt", _NOBODY),
-    ("arena.py", "> _WRAPPED_BEYOND", "Gt to GtE", _NOBODY),
+    ("arena.py", "> WRAPPED_BEYOND", "Gt to GtE", _NOBODY),
     ("arena.py", "where[0] % 2", "2 to 3", "the row is 0 or 1"),
     ("violations.py", "distances.tolist(), strict=True", "", "the arena cuts all three alike"),
     ("judge.py", "robots = 0 if ideal.report is None", "0 to 1", "neither is too many"),

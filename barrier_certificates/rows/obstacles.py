@@ -268,6 +268,18 @@ class ObstacleRows(RowFamily):
         clearance = np.sqrt(square) - self._distance
         return offset.reshape(2, -1), velocity.reshape(2, -1), clearance.reshape(-1)
 
+    def table(self) -> FloatArray:
+        """Return what rows are made from, for code that is compiled.
+
+        Returns
+        -------
+        (8, M) array
+            Start of each segment, vector to its end, the inverse of its squared length (0 for a
+            disc), velocity, and the distance that is kept from the segment.
+        """
+        columns = (self._start, self._along, self._inverse_square[None], self._velocity)
+        return np.concatenate([*(c[:, :, 0] for c in columns), self._distance.T])
+
     def _offsets(self, scene: Scene) -> tuple[FloatArray, FloatArray]:
         """Return D from the nearest points to the robots, (2, M, N), and ‖D‖², (M, N)."""
         from_start = scene.positions[:, None, :] - self._start

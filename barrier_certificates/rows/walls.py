@@ -57,6 +57,11 @@ class WallRows(RowFamily):
         self._outward = np.ascontiguousarray(normals.T)
         self._inner = (offsets - margin)[:, None]
 
+    @property
+    def inner(self) -> FloatArray:
+        """Return how far along each normal positions may be, the margin kept, (W,) array, m."""
+        return self._inner[:, 0]
+
     def partners(self, number: int) -> IntArray:
         """Return which robots each row joins: wall by wall, every robot with the world."""
         return with_world(len(self.names), number)

@@ -1,0 +1,249 @@
+"""The linear algebra of the rows that bind in one team: compiled.
+
+With the binding rows as the rows of A, the point nearest to a target on all of them is
+``x̂ − Aᵀλ`` with ``A Aᵀ λ = A x̂ − b``. Rows touch two robots at most, so an entry of ``A Aᵀ`` is a
+product of two vectors or nothing; its Cholesky factor grows by a line where a row is added.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from barrier_certificates.array_types import FloatArray, IntArray
+from barrier_certificates.batch.compiling import compiled
+from barrier_certificates.batch.layout import TeamRows
+
+DEPENDENT = 1e-13
+"""A row is a sum of others where so little of its squared length is left."""
+
+
+class Space(NamedTuple):
+    """Room for the search of one team; S = 2N is the most rows that can bind.
+
+    Attributes
+    ----------
+    target, point, step, heading, position : (2, N) array
+        What is to be projected, the answer, a direction, and where the team is.
+    least : (N,) array
+        Room for work of loops over robots.
+    excess, gap : (m,) array
+        How far rows are broken at the target and at the point, m/s.
+    binding : (S + 1,) integer array
+        The rows that bind.
+    multiplier, right, side : (S + 1,) array
+        Their multipliers, and two right-hand sides.
+    factor : (S + 1, S + 1) array
+        Cholesky factor of the products of the binding rows.
+    """
+
+    target: FloatArray
+    point: FloatArray
+    step: FloatArray
+    heading: FloatArray
+    position: FloatArray
+    least: FloatArray
+    excess: FloatArray
+    gap: FloatArray
+    binding: IntArray
+    multiplier: FloatArray
+    right: FloatArray
+    side: FloatArray
+    factor: FloatArray
+
+
+@compiled
+def space_for(number: int, total: int) -> Space:
+    """Return room for a team.
+
+    Parameters
+    ----------
+    number : int
+        Number of robots, N.
+    total : int
+        Number of rows, m.
+    """
+    most = 2 * number + 1
+    return Space(
+        np.zeros((2, number)),
+        np.zeros((2, number)),
+        np.zeros((2, number)),
+        np.zeros((2, number)),
+        np.zeros((2, number)),
+        np.zeros(number),
+        np.zeros(total),
+        np.zeros(total),
+        np.zeros(most, dtype=np.intp),
+        np.zeros(most),
+        np.zeros(most),
+        np.zeros(most),
+        np.zeros((most, most)),
+    )
+
+
+@compiled
+def copy(source: FloatArray, target: FloatArray) -> None:
+    """Copy numbers, robot by robot: compiled much sooner than the copy of an array is.
+
+    Parameters
+    ----------
+    source, target : (d, N) array
+        From where, and to where.
+    """
+    for row in range(source.shape[0]):
+        for k in range(source.shape[1]):
+            target[row, k] = source[row, k]
+
+
+@compiled
+def product(
+    first: IntArray, second: IntArray, ax: FloatArray, ay: FloatArray, one: int, other: int
+) -> float:
+    """Return the product of two rows.
+
+    Parameters
+    ----------
+    first, second, ax, ay : (m,) array
+        All rows, see `TeamRows`.
+    one, other : int
+        Which two.
+    """
+    i, j, p, q = first[one], second[one], first[other], second[other]
+    times = 0
+    if i == p:
+        times += 1
+    if j >= 0:
+        if j == p:
+            times -= 1
+        if j == q:
+            times += 1
+    if q >= 0 and i == q:
+        times -= 1
+    if times == 0:
+        return 0.0
+    return times * (ax[one] * ax[other] + ay[one] * ay[other])
+
+
+@compiled
+def subtract(
+    first: IntArray,
+    second: IntArray,
+    ax: FloatArray,
+    ay: FloatArray,
+    row: int,
+    times: float,
+    velocity: FloatArray,
+) -> None:
+    """Subtract a row from velocities so many times.
+
+    Parameters
+    ----------
+    first, second, ax, ay : (m,) array
+        All rows, see `TeamRows`.
+    row : int
+        Which one.
+    times : float
+        How often.
+    velocity : (2, N) array
+        From what, in place.
+    """
+    x, y, i, j = times * ax[row], times * ay[row], first[row], second[row]
+    velocity[0, i] -= x
+    velocity[1, i] -= y
+    if j >= 0:
+        velocity[0, j] += x
+        velocity[1, j] += y
+
+
+@compiled
+def append(
+    first: IntArray,
+    second: IntArray,
+    ax: FloatArray,
+    ay: FloatArray,
+    row: int,
+    count: int,
+    binding: IntArray,
+    factor: FloatArray,
+) -> bool:
+    """Add a row to the binding ones, unless it depends on them; return whether it was added.
+
+    Parameters
+    ----------
+    first, second, ax, ay : (m,) array
+        All rows, see `TeamRows`.
+    row : int
+        Which one.
+    count : int
+        How many bind already.
+    binding : (S + 1,) integer array
+        Those rows.
+    factor : (S + 1, S + 1) array
+        Their factor, which grows by a line.
+    """
+    square = left = product(first, second, ax, ay, row, row)
+    for a in range(count):
+        value = product(first, second, ax, ay, row, binding[a])
+        for b in range(a):
+            value -= factor[count, b] * factor[a, b]
+        value *= factor[a, a]  # the diagonal holds inverses
+        factor[count, a] = value
+        left -= value * value
+    if not left > DEPENDENT * square:
+        return False
+    factor[count, count] = 1.0 / math.sqrt(left)
+    binding[count] = row
+    return True
+
+
+@compiled
+def solve(count: int, factor: FloatArray, right: FloatArray, out: FloatArray) -> None:
+    """Solve ``A Aᵀ λ = r``.
+
+    Parameters
+    ----------
+    count : int
+        Number of binding rows, k.
+    factor : (S + 1, S + 1) array
+        The factor of ``A Aᵀ``.
+    right : (S + 1,) array
+        Right-hand side r.
+    out : (S + 1,) array
+        Where λ is written.
+    """
+    for a in range(count):
+        value = right[a]
+        for b in range(a):
+            value -= factor[a, b] * out[b]
+        out[a] = value * factor[a, a]
+    for a in range(count - 1, -1, -1):
+        value = out[a]
+        for b in range(a + 1, count):
+            value -= factor[b, a] * out[b]
+        out[a] = value * factor[a, a]
+
+
+@compiled
+def project_on(rows: TeamRows, space: Space, count: int) -> None:
+    """Write the point nearest to the target on all binding rows, and their multipliers.
+
+    Parameters
+    ----------
+    rows : TeamRows
+        All rows.
+    space : Space
+        Target, excess at it, binding rows and factor; point and multipliers are written.
+    count : int
+        Number of binding rows.
+    """
+    first, second, ax, ay, _ = rows
+    target, point, excess, binding = space.target, space.point, space.excess, space.binding
+    right, multiplier, factor = space.right, space.multiplier, space.factor
+    for a in range(count):
+        right[a] = excess[binding[a]]
+    solve(count, factor, right, multiplier)
+    copy(target, point)
+    for a in range(count):
+        subtract(first, second, ax, ay, binding[a], multiplier[a], point)

@@ -1,0 +1,247 @@
+"""The certificate of one team after the other, from what is desired to what is sent: compiled."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from barrier_certificates.array_types import FloatArray, IntArray
+from barrier_certificates.batch.active_rows import Space, copy, space_for
+from barrier_certificates.batch.compiling import compiled, entered
+from barrier_certificates.batch.headings import cosines_and_sines
+from barrier_certificates.batch.layout import Recipe, TeamRows
+from barrier_certificates.batch.search import NOT_FOUND, climb, guess
+from barrier_certificates.batch.write_rows import write_excess, write_rows
+from barrier_certificates.projection.scaled_program import TOLERANCE
+
+TRIVIAL, OPTIMAL, RELAXED, FAILED = range(4)
+UNANSWERED = 4
+"""A single certificate has to answer for this team."""
+
+_LARGE = 1e3  # m, m/s: beyond, a single certificate takes care of units and rounding
+_FAST = 10.0  # m/s, likewise
+
+
+class Drive(NamedTuple):
+    """How robots follow what is certified.
+
+    Attributes
+    ----------
+    distance : float
+        How far ahead of the axle the projection point lies, m; 0 for robots without headings.
+    time_step : float
+        How long a command is held, s; 0 leaves arcs out of account.
+    commands : bool
+        Whether what is desired, and what is answered, are unicycle commands, not velocities.
+    """
+
+    distance: float
+    time_step: float
+    commands: bool
+
+
+class Answers(NamedTuple):
+    """What is answered for B teams, and remembered.
+
+    Attributes
+    ----------
+    velocity : (B, 2, N) array
+        Velocities, or unicycle commands.
+    status : (B,) integer array
+        `TRIVIAL`, `OPTIMAL`, `RELAXED`, `FAILED` or, until a single certificate has, `UNANSWERED`.
+    numbers : (4, B) array
+        Violation and intervention, m/s; clearance, m; smallest h.
+    binding : (B, 2N + 1) integer array
+        Rows that bind, in any order.
+    count : (B,) integer array
+        How many do.
+    """
+
+    velocity: FloatArray
+    status: IntArray
+    numbers: FloatArray
+    binding: IntArray
+    count: IntArray
+
+
+@entered
+def certify_teams(
+    first: int,
+    last: int,
+    recipe: Recipe,
+    drive: Drive,
+    pattern: TeamRows,
+    desired: FloatArray,
+    states: FloatArray,
+    answers: Answers,
+) -> None:
+    """Answer for teams one after the other.
+
+    Parameters
+    ----------
+    first, last : int
+        The first team, and the one after the last.
+    recipe : Recipe
+        What rows are made from.
+    drive : Drive
+        How robots follow.
+    pattern : TeamRows
+        Who is in each row.
+    desired : (B, 2, N) array
+        What is desired.
+    states : (B, 2, N) or (B, 3, N) array
+        Positions, or poses.
+    answers : Answers
+        Where answers are written; binding rows are read as those of the last step.
+    """
+    space = space_for(desired.shape[2], pattern.bound.shape[0])
+    rows = rows_in(pattern)
+    barrier = np.zeros(2)
+    for team in range(first, last):
+        certify_team(
+            recipe, drive, rows, space, barrier, desired[team], states[team], team, answers
+        )
+
+
+@compiled
+def rows_in(pattern: TeamRows) -> TeamRows:
+    """Return room for the rows of one team.
+
+    Parameters
+    ----------
+    pattern : TeamRows
+        Who is in each row.
+    """
+    total = pattern.bound.shape[0]
+    return TeamRows(
+        pattern.first, pattern.second, np.empty(total), np.empty(total), np.empty(total)
+    )
+
+
+@compiled
+def certify_team(
+    recipe: Recipe,
+    drive: Drive,
+    rows: TeamRows,
+    space: Space,
+    barrier: FloatArray,
+    desired: FloatArray,
+    states: FloatArray,
+    team: int,
+    answers: Answers,
+) -> None:
+    """Answer for one team.
+
+    Parameters
+    ----------
+    recipe, drive, rows, space
+        What rows are made from, how robots follow, and room for rows and search.
+    barrier : (2,) array
+        Room for the nearest barrier.
+    desired : (2, N) array
+        What is desired.
+    states : (2, N) or (3, N) array
+        Positions, or poses.
+    team : int
+        Which team.
+    answers : Answers
+        Where the answer is written.
+    """
+    status, count = UNANSWERED, answers.count[team]
+    answers.count[team] = 0
+    if _is_plain(desired) and _is_plain(states):
+        _place(drive, states, desired, space)
+        alone = write_rows(recipe, rows, space.position, space.heading, space.least, barrier)
+        if not alone:
+            worst = write_excess(rows, space.target, space.least, space.excess)
+            answers.numbers[2, team], answers.numbers[3, team] = barrier[1], barrier[0]
+            if worst <= TOLERANCE:
+                status = TRIVIAL
+                answers.numbers[0, team] = max(worst, 0.0)
+                answers.numbers[1, team] = 0.0
+                copy(desired, answers.velocity[team])
+            elif worst <= _FAST:
+                for a in range(count):
+                    space.binding[a] = answers.binding[team, a]
+                count = guess(rows, space, count, worst)
+                if count == NOT_FOUND:
+                    count = climb(rows, space, worst)
+                if count != NOT_FOUND:
+                    status = OPTIMAL
+                    _answer(drive, space, count, team, answers)
+    answers.status[team] = status
+
+
+@compiled
+def _is_plain(numbers: FloatArray) -> bool:
+    """Whether all numbers are finite and of a size that robots have."""
+    odd = 0
+    for row in range(numbers.shape[0]):
+        for k in range(numbers.shape[1]):
+            odd |= not abs(numbers[row, k]) <= _LARGE
+    return odd == 0
+
+
+@compiled
+def _place(drive: Drive, states: FloatArray, desired: FloatArray, space: Space) -> None:
+    """Write positions, headings and the target of the points that are certified."""
+    number, distance = desired.shape[1], drive.distance
+    position, target, cosine, sine = (
+        space.position,
+        space.target,
+        space.heading[0],
+        space.heading[1],
+    )
+    for k in range(number):
+        position[0, k], position[1, k] = states[0, k], states[1, k]
+        target[0, k], target[1, k] = desired[0, k], desired[1, k]
+    if distance > 0.0:
+        cosines_and_sines(states[2], cosine, sine)
+        for k in range(number):
+            position[0, k] += distance * cosine[k]
+            position[1, k] += distance * sine[k]
+        if drive.commands:
+            _to_points(drive, target, cosine, sine)
+
+
+@compiled
+def _to_points(drive: Drive, target: FloatArray, cosine: FloatArray, sine: FloatArray) -> None:
+    """Make velocities of projection points of unicycle commands, in place."""
+    distance, step = drive.distance, drive.time_step
+    for k in range(target.shape[1]):
+        ahead, aside = target[0, k], distance * target[1, k]
+        if step > 0.0:
+            # Beyond a quarter turn a step cannot be told from a shorter one.
+            angle = min(max(step * target[1, k], -0.5 * math.pi), 0.5 * math.pi)
+            ahead -= distance * (1.0 - math.cos(angle)) / step
+            aside = distance * math.sin(angle) / step
+        target[0, k] = ahead * cosine[k] - aside * sine[k]
+        target[1, k] = ahead * sine[k] + aside * cosine[k]
+
+
+@compiled
+def _answer(drive: Drive, space: Space, count: int, team: int, answers: Answers) -> None:
+    """Write the answer, what it cost, and which rows bind."""
+    change, most, point, target, gap = 0.0, 0.0, space.point, space.target, space.gap
+    heading, velocity = space.heading, answers.velocity
+    for k in range(target.shape[1]):
+        x, y = point[0, k], point[1, k]
+        dx, dy = x - target[0, k], y - target[1, k]
+        change = max(change, dx * dx + dy * dy)
+        if drive.commands:
+            cosine, sine = heading[0, k], heading[1, k]
+            forward, turn = x * cosine + y * sine, (y * cosine - x * sine) / drive.distance
+            if drive.time_step > 0.0:
+                angle = math.asin(min(max(drive.time_step * turn, -1.0), 1.0))
+                forward += drive.distance * (1.0 - math.cos(angle)) / drive.time_step
+                turn = angle / drive.time_step
+            x, y = forward, turn
+        velocity[team, 0, k], velocity[team, 1, k] = x, y
+    for row in range(gap.shape[0]):
+        most = gap[row] if gap[row] > most else most
+    answers.numbers[0, team], answers.numbers[1, team] = most, math.sqrt(change)
+    answers.count[team] = count
+    for a in range(count):
+        answers.binding[team, a] = space.binding[a]

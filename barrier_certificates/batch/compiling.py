@@ -1,0 +1,198 @@
+"""Which functions are compiled, by what, and where compiled code is kept: the one place.
+
+A kernel is a plain Python function on numbers and arrays. Where numba is installed it is compiled
+at its first call and kept on disk, so that the next process starts at once; elsewhere it stays what
+it is, and whoever asks for compiled code is told which extra brings it. No kernel asks for
+``fastmath``: the order of operations stays as it is written.
+
+numba notices when the file of a kernel changes, but not when that of another kernel does which it
+calls. So compiled code is kept under a digest of all the sources that went into it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, Literal, TypeVar, cast, get_args
+
+from barrier_certificates.certificate_errors import EngineNotInstalledError, ParameterError
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+Engine = Literal["auto", "numba", "numpy"]
+"""Who computes: compiled code, numpy, or the first of the two that is installed."""
+
+_PARTS: dict[int, Callable[..., Any]] = {}
+"""Kernels that kernels call: by the identity of what is compiled, what it is compiled from."""
+
+
+@cache
+def numba_is_installed() -> bool:
+    """Whether kernels are compiled here."""
+    return find_spec("numba") is not None
+
+
+def is_compiled(engine: str) -> bool:
+    """Whether an engine is compiled code.
+
+    Parameters
+    ----------
+    engine : {"auto", "numba", "numpy"}
+        What was asked for.
+
+    Raises
+    ------
+    ParameterError
+        If there is no such engine.
+    EngineNotInstalledError
+        If numba is asked for but not installed; the message says what brings it.
+    """
+    if engine not in get_args(Engine):
+        raise ParameterError(f"engine is {engine!r}; expected one of {', '.join(get_args(Engine))}")
+    if engine == "numba" and not numba_is_installed():
+        raise EngineNotInstalledError(
+            "engine 'numba' needs numba, which is not installed: pip install "
+            "'posflock-robotarium[fast]'; engine 'numpy' needs nothing"
+        )
+    return engine != "numpy" and numba_is_installed()
+
+
+def entered(function: Function) -> Function:
+    """Compile a kernel that Python calls, where numba is installed, and keep it on disk.
+
+    Parameters
+    ----------
+    function : callable
+        A function of numbers, arrays and tuples of them, which calls only such, and kernels.
+    """
+    if not numba_is_installed():
+        return function
+    import numba
+
+    folder, before = _folder(_digest(function)), numba.config.CACHE_DIR
+    try:
+        numba.config.CACHE_DIR = folder or before
+        return cast(Function, numba.njit(cache=True, nogil=True, error_model="numpy")(function))
+    except RuntimeError:  # no place to keep it: compiled anew in each process
+        return cast(Function, numba.njit(nogil=True, error_model="numpy")(function))
+    finally:
+        numba.config.CACHE_DIR = before
+
+
+def compiled(function: Function) -> Function:
+    """Compile a kernel that only kernels call, where numba is installed, as a part of these.
+
+    Parameters
+    ----------
+    function : callable
+        A function of numbers, arrays and tuples of them, which calls only such, and kernels.
+    """
+    if not numba_is_installed():
+        return function
+    import numba
+
+    options = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    kernel = numba.njit(nogil=True, error_model="numpy", **options)(function)
+    _PARTS[id(kernel)] = function
+    return cast(Function, kernel)
+
+
+def over_teams(
+    kernel: Callable[..., Any], teams: int, threads: int | None, *arguments: Any
+) -> None:
+    """Call a kernel for all teams, in parts side by side where that pays.
+
+    Parameters
+    ----------
+    kernel : callable
+        Takes the first team, the last but one, and the arguments; teams do not touch each other.
+    teams : int
+        Number of teams, B.
+    threads : int, optional
+        How many parts at most; one for each processor of this process if None.
+    *arguments : (...) array
+        What the kernel takes besides: arrays, and tuples of arrays and numbers.
+    """
+    parts = min(threads or _processors(), teams // _TEAMS_A_THREAD)
+    if parts <= 1:
+        kernel(0, teams, *arguments)
+        return
+    edges = [teams * part // parts for part in range(parts + 1)]
+    waiting = [
+        _pool().submit(kernel, first, last, *arguments)
+        for first, last in zip(edges[1:], edges[2:], strict=False)
+    ]
+    kernel(0, edges[1], *arguments)
+    for other in waiting:
+        other.result()
+
+
+_TEAMS_A_THREAD = 32  # fewer are done before another thread has been woken
+
+
+@cache
+def _pool() -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(max(1, _processors() - 1), "teams")
+
+
+if hasattr(os, "register_at_fork"):  # a fork copies no threads
+    os.register_at_fork(after_in_child=_pool.cache_clear)
+
+
+def _processors() -> int:
+    affinity = getattr(os, "sched_getaffinity", None)
+    return len(affinity(0)) if affinity else os.cpu_count() or 1
+
+
+def _digest(function: Callable[..., Any]) -> str:
+    """Return a digest of the files of a kernel and of all that it calls, and of their constants."""
+    files, constants, seen, waiting = set(), set(), set(), [function]
+    while waiting:
+        part = waiting.pop()
+        seen.add(part)
+        files.add(part.__code__.co_filename)
+        for name in part.__code__.co_names:
+            value = part.__globals__.get(name)
+            called = _PARTS.get(id(value))
+            if called is not None and called not in seen:
+                waiting.append(called)
+            if isinstance(value, (int, float)):
+                constants.add(f"{name}={value!r}")
+    digest = hashlib.blake2b("\n".join(sorted(constants)).encode(), digest_size=8)
+    for file in sorted(files):
+        digest.update(_digest_of(file))
+    return digest.hexdigest()
+
+
+@cache
+def _digest_of(file: str) -> bytes:
+    return hashlib.blake2b(Path(file).read_bytes(), digest_size=16).digest()
+
+
+@cache
+def _folder(digest: str) -> str:
+    """Return where compiled code is kept; empty where numba knows better."""
+    import numba
+
+    cached = Path(__file__).parent / "__pycache__"
+    place = Path(numba.config.CACHE_DIR) if numba.config.CACHE_DIR else cached
+    try:
+        place.mkdir(exist_ok=True)
+    except OSError:
+        return ""
+    return str(place / f"kernels-{digest}") if os.access(place, os.W_OK) else ""
+
+
+__all__: Sequence[str] = [
+    "Engine",
+    "compiled",
+    "entered",
+    "is_compiled",
+    "numba_is_installed",
+    "over_teams",
+]

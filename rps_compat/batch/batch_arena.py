@@ -1,0 +1,235 @@
+"""The simulated testbed for many teams at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from barrier_certificates.batch.compiling import Engine, is_compiled, over_teams
+from rps_compat.arena import require_finite
+from rps_compat.arena_guests import Array
+from rps_compat.batch.batch_effects import BatchRealism, begin, move
+from rps_compat.batch.batch_violations import BatchViolations, empty_tally
+from rps_compat.batch.step_arrays import judged
+from rps_compat.batch.step_kernel import constants_of, drive_teams
+from rps_compat.errors import CommandError, InitialConditionsError
+from rps_compat.realism import Profile
+from rps_compat.testbed import GRITSBOT_X, RobotModel
+
+__all__ = ["BatchArena"]
+
+_LARGEST = 1e300
+
+
+class BatchArena:
+    """B teams of N robots, each in an arena of its own: what B instances of `Arena` do, in arrays.
+
+    Motion, limits, what counts as a violation, imperfections and their random numbers are those of
+    the single arena. With numba, steps of the ideal arena are compiled; numpy does the rest.
+
+    Parameters
+    ----------
+    poses : (B, 3, N) array
+        Initial poses, m and rad. Copied.
+    robot : RobotModel
+        Dimensions and limits.
+    realism : Profile, optional
+        Imperfections of motors and tracking; None is the ideal arena.
+    seeds : sequence of int or Generator, optional
+        What each team draws from, as ``default_rng(seed)`` in a single arena; needed with realism.
+    engine : {"auto", "numba", "numpy"}
+        Who computes; ``"auto"`` is compiled where numba is installed.
+    threads : int, optional
+        How many parts of the teams are computed side by side at most; one for each processor if
+        None.
+
+    Attributes
+    ----------
+    poses : (B, 3, N) array
+        True poses now, m and rad.
+    commands : (B, 2, N) array
+        Velocities commanded, m/s and rad/s; after a step those that the wheels admit, held until
+        others are set.
+    velocities : (B, 2, N) array
+        Velocities really driven in the last step, m/s and rad/s.
+    steps : int
+        Steps done.
+    constants, tally, realism
+        What steps are made of, counted in, and disturbed by; for rollouts.
+
+    Raises
+    ------
+    InitialConditionsError
+        If the poses are not of shape (B, 3, N), or not finite.
+    CommandError
+        If there are not as many seeds as teams.
+    EngineNotInstalledError
+        If numba is asked for but not installed.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> teams = BatchArena(np.zeros((4, 3, 1)))
+    >>> teams.commands = np.full((4, 2, 1), 0.1)
+    >>> teams.run(10)
+    >>> teams.poses.shape, round(float(teams.poses[3, 0, 0]), 3)
+    ((4, 3, 1), 0.033)
+    """
+
+    def __init__(
+        self,
+        poses: ArrayLike,
+        robot: RobotModel = GRITSBOT_X,
+        *,
+        realism: Profile | None = None,
+        seeds: Sequence[int | np.random.Generator] | None = None,
+        engine: Engine = "auto",
+        threads: int | None = None,
+    ) -> None:
+        self.poses: Array = np.array(poses, dtype=float, order="C")
+        if self.poses.ndim != 3 or self.poses.shape[1] != 3 or not np.isfinite(self.poses).all():
+            raise InitialConditionsError(
+                f"poses have shape {self.poses.shape}; expected (B, 3, N), finite numbers: for each"
+                " of B teams a column (x, y, theta) a robot"
+            )
+        teams, _, robots = self.poses.shape
+        self.robot = robot
+        self.threads = threads
+        self.compiled = is_compiled(engine)
+        self.commands: Array = np.zeros((teams, 2, robots))
+        self.velocities: Array = self.commands
+        self.steps = 0
+        self._held = self.commands
+        self.constants = constants_of(robot)
+        self.tally = empty_tally(teams, robots)
+        self._observed: Array | None = None
+        self.realism: BatchRealism | None = None
+        if realism is not None:
+            generators = _generators(seeds, teams)
+            self.realism = begin(realism, self.poses, robot.time_step, generators)
+
+    @property
+    def violations(self) -> BatchViolations:
+        """What would be held against each team so far."""
+        return BatchViolations.of(self.tally)
+
+    @property
+    def time(self) -> float:
+        """Seconds since the start."""
+        return self.steps * self.robot.time_step
+
+    def observe(self) -> Array:
+        """Poses (B, 3, N) as the tracking system reports them; without realism the true ones."""
+        if self.realism is None:
+            return self.poses
+        if self._observed is None:
+            self._observed = self.realism.observe(self.poses)
+        return self._observed
+
+    def step(self) -> None:
+        """Count violations, cut the commands at the wheels, drive for one time step.
+
+        Raises
+        ------
+        CommandError
+            Commands that are not finite, or not of shape (B, 2, N). No robot has moved then.
+        """
+        self.run(1)
+
+    def run(self, steps: int) -> None:
+        """Do some steps with the commands held.
+
+        Parameters
+        ----------
+        steps : int
+            How many.
+
+        Raises
+        ------
+        CommandError
+            Commands that are not finite, or not of shape (B, 2, N). No robot has moved then.
+        """
+        fresh = self.commands is not self._held
+        if fresh:
+            self.commands = self._checked(self.commands)
+        if self.compiled and self.realism is None:
+            over_teams(
+                drive_teams,
+                len(self.poses),
+                self.threads,
+                self.constants,
+                self.poses,
+                self.commands,
+                self.tally,
+                steps,
+            )
+            self.velocities = self.commands
+        else:
+            for step in range(steps):
+                self._step(fresh and step == 0)
+        self._held = self.commands
+        self._observed = None
+        self.steps += steps
+
+    def step_team(self, team: int, commands: Array) -> None:
+        """Do a step of one team alone, in the ideal arena; `rolled` tells when all have done it.
+
+        Parameters
+        ----------
+        team : int
+            Which team.
+        commands : (B, 2, N) array
+            Commands of all teams, of which its own are cut in place at the wheels' limits.
+        """
+        drive_teams(team, team + 1, self.constants, self.poses, commands, self.tally, 1)
+
+    def rolled(self, commands: Array, steps: int) -> None:
+        """Take note of steps that were done elsewhere.
+
+        Parameters
+        ----------
+        commands : (B, 2, N) array
+            The commands at last, m/s and rad/s.
+        steps : int
+            How many steps.
+        """
+        self.commands = self._held = self.velocities = commands.copy()
+        self._observed = None
+        self.steps += steps
+
+    def _step(self, fresh: bool) -> None:
+        admitted = judged(self.robot, self.poses, self.commands, self.tally)
+        self.commands = self.velocities = admitted
+        if self.realism is None:
+            move(admitted, self.poses, self.robot.time_step)
+        else:
+            seconds = self.robot.time_step
+            self.velocities = self.realism.drive(admitted, self.poses, seconds, fresh)
+
+    def _checked(self, commands: Array) -> Array:
+        """Copy commands that can be driven."""
+        copy = np.array(commands, dtype=float, order="C")
+        if copy.shape != (len(self.poses), 2, self.poses.shape[2]):
+            teams, _, robots = self.poses.shape
+            raise CommandError(
+                f"velocities have shape {copy.shape}, but {teams} teams of {robots} robots need"
+                f" ({teams}, 2, {robots}): forward speeds in m/s, turn rates in rad/s"
+            )
+        if not np.abs(copy).max(initial=0.0) <= _LARGEST:
+            for team, velocities in enumerate(copy):
+                try:
+                    require_finite(velocities)
+                except CommandError as error:
+                    raise CommandError(f"team {team}: {error}") from None
+        return copy
+
+
+def _generators(
+    seeds: Sequence[int | np.random.Generator] | None, teams: int
+) -> list[np.random.Generator]:
+    if seeds is None or len(seeds) != teams:
+        got = "none" if seeds is None else len(seeds)
+        raise CommandError(f"seeds: got {got}; expected {teams} with realism, one for each team")
+    return [np.random.default_rng(seed) for seed in seeds]
