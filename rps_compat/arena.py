@@ -20,7 +20,6 @@ diameter. :class:`Arena` knows nothing of the API's two generations: `rps_compat
 Two kinds of guests may be handed in, a `Realism` and a `Recorder`: see `rps_compat.arena_guests`.
 """
 
-from collections.abc import Iterable
 from math import hypot
 from typing import cast
 
@@ -94,9 +93,6 @@ class Arena:
         self.poses: Array = np.array(poses, dtype=float)
         robots = self.poses.shape[1]
         self.robot = robot
-        self.realism = realism
-        self._listener = cast(HearsSilence, realism) if hasattr(realism, "commanded") else None
-        self._timer = cast(KeepsTime, realism) if hasattr(realism, "parts") else None
         self.recorder = recorder
         self.commands: Array = np.zeros((2, robots))
         self.commanded = False
@@ -106,11 +102,10 @@ class Arena:
         self.steps = self.steps_to_start = 0
         self.time = 0.0
         self.violations = Violations()
-        self._observed: Array | None = None
+        self._observed: Array | None = None  # as seen since the last step
         self._pairs = np.triu_indices(robots, 1)
         self._bodies = np.empty(robots, dtype=complex)  # the plane as complex numbers
-        if realism is not None:
-            realism.reset(self.poses, robot.time_step, rng or np.random.default_rng())
+        self.become(realism, rng)
 
     @property
     def robot(self) -> RobotModel:
@@ -129,6 +124,25 @@ class Arena:
         x_min, x_max, y_min, y_max = robot.boundaries
         self._walls = x_min - TIE, x_max + TIE, y_min - TIE, y_max + TIE
         self._too_close = robot.collision_diameter + TIE
+
+    def become(self, realism: Realism | None, rng: np.random.Generator | None = None) -> None:
+        """Have other imperfections from now on, as if the robots were exchanged where they stand.
+
+        What the old ones had in them, such as commands on their way, is gone.
+
+        Parameters
+        ----------
+        realism : Realism or None
+            The imperfections; None is the ideal arena.
+        rng : Generator, optional
+            Where they draw from; by default one of its own that nobody has seeded.
+        """
+        self.realism = realism
+        self._listener = cast(HearsSilence, realism) if hasattr(realism, "commanded") else None
+        self._timer = cast(KeepsTime, realism) if hasattr(realism, "parts") else None
+        self._observed = None
+        if realism is not None:
+            realism.reset(self.poses, self._robot.time_step, rng or np.random.default_rng())
 
     @property
     def number_of_robots(self) -> int:
@@ -336,29 +350,6 @@ class Arena:
         turned = np.abs(theta)
         if turned[turned.argmax()] > _WRAPPED_BEYOND:
             np.arctan2(np.sin(theta), np.cos(theta), out=theta)
-
-
-def violations_of(poses: Array, robot: RobotModel, rows: Iterable[int]) -> Violations:
-    """Return what the arena holds against logged poses, by its own test of each row.
-
-    Parameters
-    ----------
-    poses : (T, 3, N) array
-        Logged poses over time, m and rad; NaN where a robot was not seen, which then has no faults.
-    robot : RobotModel
-        Whose collision test and arena are meant.
-    rows : iterable of int
-        Which rows to test, in order of time; the rows that are left out count as sound.
-    """
-    arena = Arena(np.nan_to_num(poses[0]), robot)
-    for row in rows:
-        arena.place(poses[row])
-        arena.steps = row
-        if np.isnan(poses[row]).any():
-            arena.check_seen()
-        else:
-            arena.check()
-    return arena.violations
 
 
 #: Beyond this a velocity counts as infinite: the wheels' speeds could not be told any more.

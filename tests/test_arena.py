@@ -6,8 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from barrier_certificates.ties import TIE
-from rps_compat.arena import Arena, violations_of
+from rps_compat.arena import Arena
 from rps_compat.errors import CommandError
+from rps_compat.logged_violations import violations_of
 from rps_compat.report import report_on
 from rps_compat.session import Session, SessionError
 from rps_compat.testbed import GRITSBOT_X, GTERNAL

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from barrier_certificates.ties import TIE
-from rps_compat.arena import Arena, require_finite, violations_of
+from rps_compat.arena import Arena, require_finite
 from rps_compat.errors import CommandError
+from rps_compat.logged_violations import violations_of
 from rps_compat.testbed import GRITSBOT_X
 from rps_compat.violations import Violations
 

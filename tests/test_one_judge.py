@@ -22,7 +22,7 @@ from posflock_robotarium.logs.readers import read
 from posflock_robotarium.logs.run import How, Run
 from posflock_robotarium.report import analyse, write_report
 from posflock_robotarium.verify import verify
-from rps_compat.arena import violations_of
+from rps_compat.logged_violations import violations_of
 from rps_compat.testbed import GRITSBOT_X, GTERNAL
 
 ROOT = Path(__file__).parents[1]

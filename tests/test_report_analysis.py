@@ -18,7 +18,7 @@ from posflock_robotarium.flocking.errors import LogError, ParameterError
 from posflock_robotarium.flocking.pose_log import PoseLog
 from posflock_robotarium.logs.readers import read_pose_log
 from posflock_robotarium.report import AnalysisOptions, analyse, load
-from rps_compat.arena import violations_of
+from rps_compat.logged_violations import violations_of
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from posflock_robotarium.alignment.measured_run import MeasuredRun
-from rps_compat.arena import violations_of
+from rps_compat.logged_violations import violations_of
 from rps_compat.violations import FaultKind, Violations
 
 DOUBTFUL = 1e-6
