@@ -11,6 +11,7 @@ from posflock_robotarium.commands.terminal import say
 if TYPE_CHECKING:
     from posflock_robotarium.watch.script import Job
     from posflock_robotarium.watch.serving import Place
+    from rps_compat.generations import Generation
 
 #: As a shell has it, of a program that Ctrl-C ended.
 INTERRUPTED = 130
@@ -97,8 +98,9 @@ def _job(
     chosen = Session(initial=initial)  # type: ignore[arg-type]  # refuses a way that is none
     script = script.resolve()
     evidence = evidence_in(script)
-    wanted = evidence.generation if generation is None else generation
-    api = 1 if wanted == 1 else 2
+    api: Generation = evidence.generation
+    if generation is not None:
+        api = 1 if generation == 1 else 2
     return Job(
         script=script,
         generation=api,

@@ -51,9 +51,9 @@ class Attended(Protocol):
         Parameters
         ----------
         law : LawParameters
-            Its parameters.
+            δ, r, k and the limits.
         model : Model
-            Its model.
+            Which of the paper's models.
 
         Raises
         ------

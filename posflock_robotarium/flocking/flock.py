@@ -210,9 +210,9 @@ class Flock:
         Parameters
         ----------
         law : LawParameters
-            Its parameters.
+            δ, r, k and the limits.
         model : Model
-            Its model.
+            Which of the paper's models.
 
         Raises
         ------

@@ -146,8 +146,8 @@ def rounded(values: Floats, digits: int = 4) -> list[Any]:
 
     Parameters
     ----------
-    values : array
-        Numbers.
+    values : (..., N) array
+        Numbers of robots.
     digits : int
         Behind the point.
     """

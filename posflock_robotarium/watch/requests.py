@@ -61,6 +61,11 @@ class Step(Request):
     ----------
     steps : int
         How many, at least 1.
+
+    Raises
+    ------
+    RequestError
+        Where that is no such number.
     """
 
     do = "step"
@@ -81,6 +86,11 @@ class Speed(Request):
     ----------
     factor : float or None
         One of `SPEEDS`; None is as fast as it computes.
+
+    Raises
+    ------
+    RequestError
+        Where there is no such speed.
     """
 
     do = "speed"
@@ -100,6 +110,11 @@ class UseProfile(Request):
     ----------
     name : str
         Of the profile.
+
+    Raises
+    ------
+    RequestError
+        Where that is no name.
     """
 
     do = "profile"
@@ -120,6 +135,11 @@ class Retune(Request):
         δ in metres, k in 1/s, r in metres, within `tuning.RANGES`.
     model : Model, optional
         Which of the paper's models.
+
+    Raises
+    ------
+    RequestError
+        Where a value is out of its range, or there is no such model.
     """
 
     do = "law"

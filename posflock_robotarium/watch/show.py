@@ -16,11 +16,10 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from posflock_robotarium.flocking.models import Model
 from posflock_robotarium.watch.requests import SPEEDS, Again, Request, RequestError, UseProfile
 from posflock_robotarium.watch.script import Heard, Job, ScriptProcess
 from posflock_robotarium.watch.settings import Settings
-from posflock_robotarium.watch.tuning import RANGES
+from posflock_robotarium.watch.tuning import MODELS, RANGES
 from rps_compat.running.outcome import Outcome, summary
 
 #: Pictures that a page gets when it comes, for its trails; characters of what was printed.
@@ -141,7 +140,7 @@ class Show:
             "profiles": list(self.job.profiles),
             "speeds": list(SPEEDS),
             "ranges": {name: asdict(span) for name, span in RANGES.items()},
-            "models": {model.value: model.label for model in Model},
+            "models": {model.value: words for model, words in MODELS.items()},
         }
 
     def _everything(self) -> Iterator[tuple[str, str]]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from posflock_robotarium.flocking.models import Model
+
 
 @dataclass(frozen=True)
 class Span:
@@ -33,4 +35,11 @@ RANGES: dict[str, Span] = {
     "distance_scale": Span("δ", "distance scale", "m", 0.0, 0.30, 0.005),
     "persistence": Span("k", "persistence", "1/s", 0.01, 1.0, 0.01),
     "radius": Span("r", "neighbour radius", "m", 0.20, 2.0, 0.05),
+}
+
+#: The paper's models, in words for people.
+MODELS: dict[Model, str] = {
+    Model.VELOCITY: "velocity-based",
+    Model.POSITION: "position-based",
+    Model.POSITION_NO_THRESHOLD: "position-based, no threshold",
 }

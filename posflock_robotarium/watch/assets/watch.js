@@ -35,7 +35,7 @@ const hear = {
     $("script").textContent = data.script;
     document.title = `${data.script} – posflock watch`;
     fill($("profile"), data.profiles.map((name) => [name, name]));
-    fill($("speed"), data.speeds.map((speed) => [String(speed), speed === null ? "as fast as it computes" : `${speed} ×`]));
+    fill($("speed"), data.speeds.map((speed) => [String(speed), speed === null ? "max" : `${speed} ×`]));
     buildLaw(data);
   },
   begin() {
