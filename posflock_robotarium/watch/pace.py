@@ -94,9 +94,8 @@ class Pace:
         """
         self.steps_left = max(self.steps_left - 1, 0)
         if self.factor is not None:
-            self._slot = max(self._slot + time_step / self.factor, now)
-            if math.isinf(self._slot):
-                self._slot = now + time_step / self.factor
+            begun = now if math.isinf(self._slot) else self._slot
+            self._slot = max(begun + time_step / self.factor, now)
         self._seen.append((now, time))
         while now - self._seen[0][0] > _WINDOW:
             self._seen.popleft()

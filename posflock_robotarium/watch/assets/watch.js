@@ -64,6 +64,7 @@ const hear = {
     showControls();
     showPhase();
     showOutcome();
+    if (state.frame) showNow();
     if (before !== data.phase || paused !== data.settings.paused) say(`${$("phase").textContent}${state.frame ? `, at ${state.frame.time.toFixed(1)} seconds` : ""}`);
   },
   printed(text) {
