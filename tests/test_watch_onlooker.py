@@ -161,7 +161,7 @@ def test_a_flock_follows_what_is_asked_from_its_next_step_on(watched, capsys):
     requests = [Retune(radius=1.5), Retune(model=Model.VELOCITY, persistence=0.4)]
     outcome, told, _ = watched(FLOCK, requests)
     assert outcome.ended == "finished"
-    assert "radius 1.5 velocity 1" in capsys.readouterr().out
+    assert "radius 1.5 velocity 2" in capsys.readouterr().out
     law = of_kind(told, "state")[-1]["flock"]
     assert (law["radius"], law["persistence"], law["model"]) == (1.5, 0.4, "velocity")
     assert law["distance_scale"] == 0.12

@@ -142,7 +142,7 @@ class WatchedRun(Onlooker):
             self._barrier = barrier_of(answer)
 
     def attend(self, flock: Attended) -> None:
-        """Let a flock follow the law that is asked for, before its next step.
+        """Let a flock follow the law that is asked for, from its next step on.
 
         Parameters
         ----------
@@ -199,7 +199,7 @@ class WatchedRun(Onlooker):
             self.tell_state()
 
     def _change(self, request: Request, arena: Arena) -> None:
-        """Do what is asked; what concerns the flock is done before its next step."""
+        """Do what is asked, between two steps of robots and flock."""
         before, pace = self.settings, self.pace
         self.settings = before.after(request)
         if isinstance(request, Go):
@@ -214,6 +214,8 @@ class WatchedRun(Onlooker):
         elif isinstance(request, UseProfile) and request.name != before.profile:
             self._exchange(arena)
             self._note(profile=request.name)
+        elif isinstance(request, Retune) and self._flock is not None:
+            self.attend(self._flock)
 
     def _exchange(self, arena: Arena) -> None:
         """Give an arena the imperfections that are asked for."""
