@@ -16,9 +16,12 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from barrier_certificates.array_types import FloatArray
-from barrier_certificates.projection import ProjectionInfo
+
+if TYPE_CHECKING:  # who listens need not wait for the solvers
+    from barrier_certificates.projection import ProjectionInfo
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,8 +22,8 @@ from posflock_robotarium.alignment.own_metrics import OWN_GROUP
 from posflock_robotarium.alignment.target_outcomes import TARGET_GROUP
 from posflock_robotarium.alignment.verdicts import headline
 from posflock_robotarium.flocking.errors import ParameterError
+from posflock_robotarium.pages import SHARED_SCRIPTS, SHARED_STYLE, asset
 from posflock_robotarium.report.following_page import following_section
-from posflock_robotarium.report.page_assets import SHARED_SCRIPTS, SHARED_STYLE, asset
 from posflock_robotarium.report.page_data import EVENTS_SHOWN, page_data
 from posflock_robotarium.report.tables import row_texts
 from posflock_robotarium.report.words import number_text, unbroken
@@ -71,7 +71,8 @@ def render(analyses: Sequence[Analysis], comparison: Comparison | None = None) -
         comparison = compare(analyses)
     if comparison is not None:
         analyses = comparison.analyses
-    scripts = [asset(name) for name in ("uPlot.iife.min.js", *SHARED_SCRIPTS, "report.js")]
+    shared = [asset(name) for name in SHARED_SCRIPTS]
+    scripts = [_own("uPlot.iife.min.js"), *shared, _own("report.js")]
     title = " · ".join(analysis.name for analysis in analyses[:4])
     if len(analyses) > 4:
         title += f" and {len(analyses) - 4} more"
@@ -87,9 +88,9 @@ def render(analyses: Sequence[Analysis], comparison: Comparison | None = None) -
         parameters=[_pretty(a) for a in analyses],
         data=_markup(_json(asdict(page_data(analyses)))),
         scripts=[_markup(script) for script in scripts],
-        style=_markup("".join(asset(n) for n in ("uPlot.min.css", SHARED_STYLE, "report.css"))),
+        style=_markup(_own("uPlot.min.css") + asset(SHARED_STYLE) + _own("report.css")),
         policy=_policy(scripts),
-        licence=asset("uPlot.LICENSE"),
+        licence=_own("uPlot.LICENSE"),
         version=__version__,
         definitions=[
             metric
@@ -202,3 +203,7 @@ def _markup(text: str) -> Any:
 
     # Only for our own assets and for JSON that `_json` has made safe.
     return Markup(text)
+
+
+def _own(name: str) -> str:
+    return asset(name, "posflock_robotarium.report")

@@ -18,7 +18,6 @@ from typing import Any
 import numpy as np
 
 from barrier_certificates.hearing import Answer
-from posflock_robotarium.alignment.metrics.directions import alignment, heading_vectors
 from posflock_robotarium.flocking.attendance import Attended
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.pose_log import PoseLog
@@ -277,6 +276,8 @@ class WatchedRun(Onlooker):
         radius = self._radius if flock is None else flock.law.radius
         if radius is None:
             return {}
+        from posflock_robotarium.alignment.metrics.directions import alignment, heading_vectors
+
         links = None if flock is None else flock.links
         if links is None or links.shape[0] != arena.number_of_robots:
             offset = positions[:, :, None] - positions[:, None, :]

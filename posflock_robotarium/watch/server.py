@@ -14,7 +14,7 @@ from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from posflock_robotarium.report.page_assets import SHARED_SCRIPTS, SHARED_STYLE, asset
+from posflock_robotarium.pages import SHARED_SCRIPTS, SHARED_STYLE, asset
 from posflock_robotarium.watch.guard import policy, refusal
 from posflock_robotarium.watch.requests import RequestError, read_request
 from posflock_robotarium.watch.show import Show, Viewer

@@ -1,4 +1,7 @@
-"""Scripts and styles of the pages, and what all pages share of them."""
+"""Scripts and styles of pages, and what all pages share of them: colours, numbers, the arena.
+
+The report's page and the live page draw the same arena in the same look.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ SHARED_SCRIPTS = ("look.js", "arena.js")
 SHARED_STYLE = "look.css"
 
 
-def asset(name: str, package: str = "posflock_robotarium.report") -> str:
+def asset(name: str, package: str = "posflock_robotarium.pages") -> str:
     """Return the text of a file that comes with the package.
 
     Parameters
