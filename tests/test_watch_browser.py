@@ -31,7 +31,7 @@ start = np.array([[-0.3, 0.3], [0.0, 0.0], [0.0, np.pi]])
 r = Robotarium(number_of_robots=2, initial_conditions=start)
 safe = create_unicycle_barrier_certificate()
 print("face to face")
-for k in range(400):
+for k in range(60):
     x = r.get_poses()
     r.set_leds(np.arange(2), np.array([[0, 255], [255, 0], [0, 0]]))
     r.set_velocities(np.arange(2), safe(np.array([[0.15, 0.15], [0.0, 0.0]]), x))
@@ -156,13 +156,15 @@ def test_pages_come_and_go_and_the_end_is_told(browser, script, tmp_path):
         first.locator("#play").click()
         in_state(second, "s.phase === 'ended'")
         assert second.locator("#phase").text_content() == "failed"
-        assert second.locator("#reason").text_content() == "ValueError: the <b>end</b>"
+        reason = second.locator("#reason").text_content()
+        assert reason == "ValueError: the <b>end</b> (line 14 of face_to_face.py)"
         assert "face to face" in second.locator("#printed").text_content()
         second.reload()
         in_state(second, "s.phase === 'ended' && s.frame && s.past.length > 1")
         assert second.evaluate("posflock.state.frame.leds") == ["#00ff00", "#ff0000"]
         assert second.evaluate("posflock.state.frame.barrier.pairs") == [[0, 1]]
         second.locator("#again").click()
+        in_state(first, "s.phase !== 'ended'")
         in_state(first, "s.phase === 'ended' && s.outcome.ended === 'failed'")
         first.context.close()
         second.context.close()

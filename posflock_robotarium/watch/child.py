@@ -72,7 +72,7 @@ def main() -> None:
     try:
         with heard_by(run.heard), attended_by(run.attend):
             outcome = drive(plan, guests)
-        run.show()
+        run.show(last=True)
         teller.outcome(outcome)
     finally:
         for stream in (sys.stdout, sys.stderr):

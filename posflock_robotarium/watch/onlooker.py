@@ -114,7 +114,8 @@ class WatchedRun(Onlooker):
         self._arena: Arena | None = None
         self._robotarium: weakref.ref[Any] = weakref.ref(self)
         self._flock: Attended | None = None
-        self._barrier: Barrier | None = None
+        self._barrier: Barrier | None = None  # since the last picture
+        self._told_barrier: Barrier | None = None
         self._shown = (-math.inf, -1)  # real time and step of the last picture
         self._begun_with = settings.profile
 
@@ -247,20 +248,24 @@ class WatchedRun(Onlooker):
         state = {"settings": self.settings.as_dict(), "flock": law, "refused": refused}
         self._tell("state", json.dumps(state))
 
-    def show(self, arena: Arena | None = None) -> None:
+    def show(self, arena: Arena | None = None, last: bool = False) -> None:
         """Send a picture of an arena as it is now, unless it has been sent.
 
         Parameters
         ----------
         arena : Arena, optional
             By default the one that was stepped last.
+        last : bool
+            Whether the run is over: what certificates did last is still shown.
         """
         arena = self._arena if arena is None else arena
         if arena is None or self._shown[1] == arena.steps:
             return
         self._shown = (real.monotonic(), arena.steps)
         frame = frame_of(arena, self._leds())
-        barrier, self._barrier = self._barrier, None
+        if not last or self._barrier is not None:
+            self._told_barrier = self._barrier
+        barrier, self._barrier = self._told_barrier, None
         frame["barrier"] = None if barrier is None else asdict(barrier)
         frame["reached"] = self.pace.reached
         frame.update(self._neighbours(arena))

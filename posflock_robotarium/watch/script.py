@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from collections.abc import Callable, Mapping
@@ -30,6 +31,7 @@ from rps_compat.containment.usage import Allowance
 from rps_compat.generations import Generation
 from rps_compat.profiles import profile_to_dict
 from rps_compat.realism import Profile
+from rps_compat.running.ending import EXIT_CODES
 from rps_compat.running.outcome import Ended, Outcome
 from rps_compat.running.plan import ClockPolicy, RunPlan
 from rps_compat.running.policy_violations import PolicyKind
@@ -133,7 +135,7 @@ class ScriptProcess:
         self._given = {str(path.relative_to(self.scratch)) for path in self.scratch.rglob("*")}
         self.plan = _plan(job, settings, self.scratch, self.log, fonts)
         ear, mouth = os.pipe()
-        self._closed = self.silent = False
+        self._closed = self._interrupted = self.silent = False
         self.told = Listener(ear, new_word(), more=heard.more)
         self._process = self._started(fonts, mouth)
         os.close(mouth)
@@ -217,23 +219,27 @@ class ScriptProcess:
 
     def outcome(self) -> Outcome:
         """Wait until the process has ended, with all that it started, and tell how the run went."""
-        end = self._process.wait()
+        code = -signal.SIGKILL if self._closed else self._process.wait().code
         self.kill()
         if self.told.said is not None:
             return self.told.said
-        killed = end.code < 0 or end.code > 128
-        reason = "it was killed" if killed else f"its process ended itself, exit code {end.code}"
+        ended, reason = Ended.DIED, f"its process ended itself, exit code {code}"
+        if self._interrupted and code < 0:
+            ended, reason = Ended.INTERRUPTED, "interrupted, it did not end, and was killed"
+        elif code < 0 or code > 128:
+            reason = "it was killed"
         return Outcome(
             self._job.script,
             self.plan.generation,
-            Ended.DIED,
+            ended,
             reason,
-            abs(end.code) or 1,
+            EXIT_CODES[ended] if ended in EXIT_CODES else abs(code) or 1,
             policy_violations=tuple(self.told.violations),
         )
 
     def interrupt(self) -> None:
         """Ask the script to end, as Ctrl-C does."""
+        self._interrupted = True
         self.ask(Stop())
 
     def kill(self) -> None:

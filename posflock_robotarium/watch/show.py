@@ -295,10 +295,11 @@ class Show:
 
 def _told(outcome: Outcome) -> dict[str, Any]:
     """Return what a page is told of the end."""
-    lines = summary(outcome).splitlines()
+    lines, error = summary(outcome).splitlines(), outcome.error
+    place = f" (line {error.line} of {error.file})" if error and error.line else ""
     return {
         "ended": outcome.ended.value,
-        "reason": outcome.reason,
+        "reason": outcome.reason + place,
         "exit_code": outcome.exit_code,
         "clean": outcome.clean,
         "lines": [line for line in lines[1:] if not line.startswith("in ")],

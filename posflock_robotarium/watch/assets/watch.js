@@ -131,7 +131,7 @@ function items() {
 function showNow() {
   const { frame } = state, list = $("now"), found = items();
   $("clock").textContent = `${frame.time.toFixed(1)} s`;
-  $("reached").textContent = frame.reached === null || state.settings?.paused ? "" : `runs at ${number(frame.reached)} ×`;
+  $("reached").textContent = frame.reached === null || state.phase !== "running" || state.settings.paused ? "" : `runs at ${number(frame.reached)} ×`;
   $("links-label").hidden = !frame.links;
   if (list.childElementCount !== found.length)
     list.replaceChildren(...found.map(() => { const d = document.createElement("div"); d.append(document.createElement("dt"), document.createElement("dd")); return d; }));
@@ -156,7 +156,8 @@ function showOutcome() {
   box.hidden = !outcome;
   if (!outcome) return;
   box.className = outcome.exit_code !== 0 ? "bad" : outcome.clean ? "good" : "caution";
-  $("h-outcome").textContent = `The script ${outcome.ended === "finished" ? "has finished" : `ended: ${outcome.ended}`}`;
+  const verb = { finished: "has finished", failed: "has failed", interrupted: "was interrupted", hung: "waits for ever", died: "has died" }[outcome.ended];
+  $("h-outcome").textContent = `The script ${verb || `ended: ${outcome.ended}`}`;
   $("reason").textContent = outcome.reason;
   $("lines").replaceChildren(...outcome.lines.map((line) => { const item = document.createElement("li"); item.textContent = line.trim(); return item; }));
 }
