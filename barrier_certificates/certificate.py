@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from barrier_certificates import checks
+from barrier_certificates import checks, hearing
 from barrier_certificates.array_types import FloatArray
 from barrier_certificates.certificate_errors import ParameterError
 from barrier_certificates.deadlock import DeadlockMonitor, DeadlockParameters, tilt
@@ -264,6 +264,7 @@ class Certificate(ABC):
         info.smallest_h, info.clearance, info.nearest_row = barrier
         info.unsafe_start = memory.fresh and info.clearance < 0.0
         memory.fresh = False
+        hearing.tell(desired, velocity, info)
         return velocity, info
 
     def _watch(

@@ -25,7 +25,8 @@ import sys
 import numpy as np
 from posflock_robotarium.alignment import metrics
 from posflock_robotarium.flocking.flock import Flock
-from posflock_robotarium.freespace.simulation import FreeSpace, Model, simulate
+from posflock_robotarium.flocking.models import Model
+from posflock_robotarium.freespace.simulation import FreeSpace, simulate
 from posflock_robotarium.alignment.point_agents import measure, summarise
 from posflock_robotarium.flocking.placement import random_poses
 from posflock_robotarium.alignment.summary import summarise as figures_of

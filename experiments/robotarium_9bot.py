@@ -94,6 +94,8 @@ def main() -> None:
         except KeyboardInterrupt:  # the testbed's way to end a run
             log.close("interrupted", "KeyboardInterrupt: the run was stopped from outside")
             print(f"interrupted: the {log.rows} steps until then are in {log.path}")
+        if flock.retuned:  # by somebody who watched
+            log.annotate(retuned=flock.retuned)
     getattr(r, "debug" if hasattr(r, "debug") else "call_at_scripts_end")()
     if STAND_IN:
         report_experiment(log.path)

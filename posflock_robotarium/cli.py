@@ -15,6 +15,7 @@ from posflock_robotarium.commands import (
     start,
     sweep,
     verify,
+    watch,
 )
 from posflock_robotarium.commands.argument_order import RunPage
 from posflock_robotarium.commands.help_pages import CommandPage, GroupPage
@@ -59,14 +60,14 @@ _WRITE, _SUBMIT, _ANALYSE, _STUDY = (
     "Study",
 )
 _COMMANDS = {
-    _WRITE: (start.demo, start.examples, start.new, run.run, run.lint),
+    _WRITE: (start.demo, start.examples, start.new, run.run, watch.watch, run.lint),
     _SUBMIT: (verify.verify, bundle.bundle, bundle.rehearse, verify.profile),
     _ANALYSE: (report.report, report.compare, convert.replay, convert.convert, calibrate.calibrate),
     _STUDY: (paper.reproduce, sweep.sweep),
 }
 for _heading, _commands in _COMMANDS.items():
     for _command in _commands:
-        _own = _command is run.run
+        _own = _command in (run.run, watch.watch)
         app.command(
             cls=RunPage if _own else CommandPage,
             rich_help_panel=_heading,

@@ -93,9 +93,6 @@ class Arena:
         self.poses: Array = np.array(poses, dtype=float)
         robots = self.poses.shape[1]
         self.robot = robot
-        self.realism = realism
-        self._listener = cast(HearsSilence, realism) if hasattr(realism, "commanded") else None
-        self._timer = cast(KeepsTime, realism) if hasattr(realism, "parts") else None
         self.recorder = recorder
         self.commands: Array = np.zeros((2, robots))
         self.commanded = False
@@ -105,11 +102,10 @@ class Arena:
         self.steps = self.steps_to_start = 0
         self.time = 0.0
         self.violations = Violations()
-        self._observed: Array | None = None
+        self._observed: Array | None = None  # as seen since the last step
         self._pairs = np.triu_indices(robots, 1)
         self._bodies = np.empty(robots, dtype=complex)  # the plane as complex numbers
-        if realism is not None:
-            realism.reset(self.poses, robot.time_step, rng or np.random.default_rng())
+        self.become(realism, rng)
 
     @property
     def robot(self) -> RobotModel:
@@ -128,6 +124,25 @@ class Arena:
         x_min, x_max, y_min, y_max = robot.boundaries
         self._walls = x_min - TIE, x_max + TIE, y_min - TIE, y_max + TIE
         self._too_close = robot.collision_diameter + TIE
+
+    def become(self, realism: Realism | None, rng: np.random.Generator | None = None) -> None:
+        """Have other imperfections from now on, as if the robots were exchanged where they stand.
+
+        What the old ones had in them, such as commands on their way, is gone.
+
+        Parameters
+        ----------
+        realism : Realism or None
+            The imperfections; None is the ideal arena.
+        rng : Generator, optional
+            Where they draw from; by default one of its own that nobody has seeded.
+        """
+        self.realism = realism
+        self._listener = cast(HearsSilence, realism) if hasattr(realism, "commanded") else None
+        self._timer = cast(KeepsTime, realism) if hasattr(realism, "parts") else None
+        self._observed = None
+        if realism is not None:
+            realism.reset(self.poses, self._robot.time_step, rng or np.random.default_rng())
 
     @property
     def number_of_robots(self) -> int:

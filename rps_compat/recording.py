@@ -9,6 +9,7 @@ import threading
 import weakref
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
@@ -42,6 +43,32 @@ OpenRecorder = Callable[[Path, int, dict[str, Any]], RunRecorder]
 
 #: Is told of a step: seconds of the run, and the arena.
 Listener = Callable[[float, Arena], None]
+
+
+class Onlooker(Protocol):
+    """Who looks on in the script's own process, and may hold it in its step."""
+
+    @abstractmethod
+    def created(self, robotarium: Any, /) -> None:
+        """Be told of a new instance.
+
+        Parameters
+        ----------
+        robotarium : Robotarium
+            Of either generation; to be held weakly.
+        """
+
+    @abstractmethod
+    def step(self, time: float, arena: Arena, /) -> None:
+        """Be told of a step that is about to be driven, in the thread that steps.
+
+        Parameters
+        ----------
+        time : float
+            Of the run, s.
+        arena : Arena
+            As it is now; its commands are as the script gave them.
+        """
 
 
 class RecordWriter(Protocol):
@@ -142,6 +169,11 @@ class Watch(RunRecorder):
         for listen in self._recording.listeners:
             assert arena is not None
             listen(time, arena)
+        if self._recording.onlookers:
+            assert arena is not None
+            with self._recording.held():
+                for onlooker in self._recording.onlookers:
+                    onlooker.step(time, arena)
 
     def close(self, how: str, reason: str, /) -> None:
         """Close log and record; a second call changes nothing."""
@@ -204,6 +236,10 @@ class Recording:
         by an exception, which comes out of the script's ``step()``.
     makers
         Are told of the arena of each new instance.
+    onlookers
+        Are told of each new instance, and of each step after the listeners.
+    held
+        Keeps the script's time where it is while they look.
     over
         Whether the run has ended: threads that outlived it end with their next step.
     watches : list of Watch
@@ -218,6 +254,8 @@ class Recording:
     open_record: Callable[[int, int, Path | None, bool], RecordWriter] | None = None
     listeners: Sequence[Listener] = ()
     makers: Sequence[Callable[[Arena], None]] = ()
+    onlookers: Sequence[Onlooker] = ()
+    held: Callable[[], AbstractContextManager[None]] = nullcontext
     over: bool = field(default=False, init=False)
     watches: list[Watch] = field(default_factory=list, init=False)
 
@@ -258,6 +296,8 @@ class Recording:
             watch.attach(instance)
             for tell in self.makers:
                 tell(instance._arena)
+            for onlooker in self.onlookers:
+                onlooker.created(instance)
 
     @property
     def first(self) -> Any:

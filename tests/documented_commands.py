@@ -34,6 +34,8 @@ ELSEWHERE = {
 PAGES_ELSEWHERE = {"own-question.md": "test_own_question_page.py"}
 #: Words that make a command do the same for fewer runs.
 LIGHTER = {"posflock reproduce": "--seeds 2", "posflock verify": "-n 2"}
+#: Words that make a command end by itself; its own come after them.
+ENDING = {"posflock watch": "--no-open --no-stay --speed max"}
 #: Exit codes that mean that something was found.
 FINDINGS = {"posflock lint": 1, "posflock verify": 1}
 
@@ -62,7 +64,10 @@ class Command:
     def light(self) -> str:
         """The command, for as few runs as it takes to see that it works."""
         fewer = [more for start, more in LIGHTER.items() if self.words.startswith(start)]
-        return " ".join([self.words, *fewer])
+        words = self.words
+        for start, more in ENDING.items():
+            words = words.replace(start, f"{start} {more}", 1)
+        return " ".join([words, *fewer])
 
     @property
     def exit_codes(self) -> set[int]:

@@ -9,6 +9,7 @@ from barrier_certificates.ties import TIE
 from rps_compat.arena import Arena
 from rps_compat.errors import CommandError
 from rps_compat.logged_violations import violations_of
+from rps_compat.profiles import load_profile
 from rps_compat.report import report_on
 from rps_compat.session import Session, SessionError
 from rps_compat.testbed import GRITSBOT_X, GTERNAL
@@ -259,3 +260,19 @@ def test_sessions_do_not_leak():
 def test_a_session_knows_its_modes():
     with pytest.raises(SessionError, match="'fly', expected one of published"):
         Session(initial="fly")
+
+
+def test_robots_are_exchanged_where_they_stand():
+    arena, ideal = (arena_at((0, 0, 0), (0.5, 0, 0)) for _ in range(2))
+    for step in range(20):
+        for one in (arena, ideal):
+            one.commands = np.full((2, one.number_of_robots), 0.1)
+            one.step()
+        if step == 9:
+            np.testing.assert_array_equal(arena.poses, ideal.poses)
+            arena.become(load_profile("gritsbot_x").start(), np.random.default_rng(0))
+            assert not np.array_equal(arena.observe(), arena.poses)  # a tracker that trembles
+    assert arena.steps == ideal.steps
+    assert (np.abs(arena.poses[2]) < np.abs(ideal.poses[2])).all()  # motors that answer late
+    arena.become(None)
+    assert arena.observe() is arena.poses

@@ -20,6 +20,7 @@ from posflock_robotarium.flocking.law import (
     position_based_input,
     velocity_based_input,
 )
+from posflock_robotarium.flocking.models import Model
 from posflock_robotarium.freespace.neighbour_search import (
     TREE_FROM_AGENTS,
     nearest_distances,
@@ -28,7 +29,7 @@ from posflock_robotarium.freespace.neighbour_search import (
     velocity_based_input_over,
 )
 from posflock_robotarium.freespace.sensing import Sensing
-from posflock_robotarium.freespace.simulation import FreeSpace, Model, simulate, simulate_batch
+from posflock_robotarium.freespace.simulation import FreeSpace, simulate, simulate_batch
 
 SHORT = FreeSpace(agents=12, side=12.0, duration=3.0, record_interval=0.05)
 

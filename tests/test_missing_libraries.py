@@ -59,3 +59,9 @@ def test_a_matlab_file_that_needs_h5py(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "h5py", None)
     with pytest.raises(LogError, match="pip install h5py"):
         read(tmp_path / "poses.mat")
+
+
+def test_watching_without_a_server_says_what_brings_one(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "uvicorn", None)
+    told = CliRunner().invoke(app, ["watch", str(tmp_path / "main.py")])
+    assert "pip install 'posflock-robotarium[watch]'" in str(told.exception)

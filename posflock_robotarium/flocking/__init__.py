@@ -1,11 +1,13 @@
 """What flies: all that goes to the testbed with the script, beside :mod:`barrier_certificates`.
 
 ==================  ==================================================================
-law                 the paper's position-based law: pure functions of positions
+law                 the paper's laws: pure functions of positions and velocities
+models              the three models that the paper compares, by name
 neighbour_memory    who is a neighbour, with a margin: nobody flickers at the radius
 steering            what turns the flock as a whole away from the walls
 pose_filter         poses as they are now, out of poses as they were logged
 flock               the law on wheels: turned into commands, certified, once a step
+attendance          who may look at a flock between two steps, and change its law
 placement           starts that fit into the arena
 pose_log            every pose and command on disk, whatever ends the run
 row_file            rows that no kill and no full disk takes back

@@ -40,14 +40,15 @@ from barrier_certificates.guarantee import largest_gain, largest_wall_gain
 from barrier_certificates.projection import Status
 from barrier_certificates.rows import VelocityPolygon
 from barrier_certificates.unicycle import UnicycleCertificate
+from posflock_robotarium.flocking import attendance
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.law import (
     PAPER_EXPERIMENT,
     LawParameters,
     displacements,
-    position_based_input,
     saturate,
 )
+from posflock_robotarium.flocking.models import Model
 from posflock_robotarium.flocking.neighbour_memory import NeighbourMemory
 from posflock_robotarium.flocking.pose_filter import PoseFilter, PoseFilterParameters
 from posflock_robotarium.flocking.steering import ArenaSteering, SteeringParameters
@@ -132,6 +133,8 @@ class Flock:
         How to steer; how far tracked poses are believed.
     neighbour_hysteresis : float
         See `neighbour_memory.NeighbourMemory`, metres; 0 is the paper's rule.
+    model : Model
+        Which of the paper's models; the velocity-based one is told the velocities that were sent.
 
     Raises
     ------
@@ -162,12 +165,14 @@ class Flock:
         steering: SteeringParameters | None = None,
         filtering: PoseFilterParameters | None = None,
         neighbour_hysteresis: float = 0.15,
+        model: Model = Model.POSITION,
     ) -> None:
         if walls not in WALLS:
             raise ParameterError(f"walls: expected one of {', '.join(WALLS)}; got {walls!r}")
         if not (math.isfinite(time_step) and time_step > 0.0):
             raise ParameterError(f"time_step: expected more than 0 s, got {time_step!r}")
-        self.law = law
+        self.law, self.model = law, model
+        self.retuned: list[dict[str, Any]] = []
         self.time_step = time_step
         self.walls = walls
         self.steering = steering or SteeringParameters()
@@ -180,6 +185,7 @@ class Flock:
         self._neighbours = NeighbourMemory(law.radius, neighbour_hysteresis)
         self._steering = ArenaSteering(self.steering, *_arena(certificate), time_step)
         self.reset()
+        attendance.show(self)
 
     def reset(self) -> None:
         """Forget the imprint and every velocity: the next step is the first."""
@@ -192,6 +198,33 @@ class Flock:
         self.certificate.reset()
 
     @property
+    def links(self) -> NDArray[np.bool_] | None:
+        """Who was whose neighbour at the last step, (N, N); None before the first."""
+        return self._neighbours.links
+
+    def retune(self, law: LawParameters, model: Model) -> None:
+        """Follow another law from the next step on; imprint, clock and velocities stay.
+
+        `retuned` keeps what was followed from when on, for the log.
+
+        Parameters
+        ----------
+        law : LawParameters
+            δ, r, k and the limits.
+        model : Model
+            Which of the paper's models.
+
+        Raises
+        ------
+        ParameterError
+            Where the radius is not more than the hysteresis; the flock goes on as before.
+        """
+        self._neighbours = self._neighbours.within(law.radius)
+        self.law, self.model = law, model
+        time = self._steps * self.time_step
+        self.retuned.append({"time": time, "law": law.as_dict(), "model": model.value})
+
+    @property
     def arena(self) -> tuple[float, float, float, float]:
         """Where it keeps the robots: least and greatest x, least and greatest y, m."""
         return self._steering.arena
@@ -200,6 +233,7 @@ class Flock:
         """Return everything a log must say to repeat the run, ready for JSON."""
         return {
             "law": self.law.as_dict(),
+            "model": self.model.value,
             "time_step": self.time_step,
             "walls": self.walls,
             "wheels": asdict(self.certificate),
@@ -242,6 +276,7 @@ class Flock:
         ParameterError
             Where the poses have another shape or a value that is not finite.
         """
+        attendance.show(self)
         seen = self._checked(poses)
         x = self.filter.update(seen)
         ahead = np.array([np.cos(x[2]), np.sin(x[2])])
@@ -253,8 +288,9 @@ class Flock:
         time = self._steps * self.time_step
 
         linked = self._neighbours.update(points)
-        law = position_based_input(points, self._imprint, time, self.law, detected=linked)
-        u, w, turning = saturate(law, self.law.input_limit), self._velocity, 0.0
+        w, turning = self._velocity, 0.0
+        law = self.model.input(points, w, self._imprint, time, self.law, linked)
+        u = saturate(law, self.law.input_limit)
         if self.walls == "steer":
             u, w, turning = self._steering.steer(time, points, u, w)
         w = saturate(w + self.time_step * u, self.law.speed_limit)

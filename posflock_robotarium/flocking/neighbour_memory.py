@@ -62,6 +62,28 @@ class NeighbourMemory:
         """Forget who was linked: at the next step the radius alone decides."""
         self._linked: Booleans | None = None
 
+    @property
+    def links(self) -> Booleans | None:
+        """Who was whose neighbour at the last step, (N, N); None before the first."""
+        return self._linked
+
+    def within(self, radius: float | Floats) -> NeighbourMemory:
+        """Return the same memory for another radius: who is linked stays so, as far as it reaches.
+
+        Parameters
+        ----------
+        radius : float or (N,) array
+            r_i, metres.
+
+        Raises
+        ------
+        ParameterError
+            Where the hysteresis is not less than the radius.
+        """
+        other = NeighbourMemory(radius, self.hysteresis)
+        other._linked = self._linked
+        return other
+
     def update(self, points: Floats) -> Booleans:
         """Return who is whose neighbour now, and remember it.
 

@@ -31,13 +31,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from barrier_certificates import ties
-from barrier_certificates.word_enum import WordEnum
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.law import (
     PAPER_SIMULATION,
     LawParameters,
     saturate,
 )
+from posflock_robotarium.flocking.models import Model
 from posflock_robotarium.freespace.inputs import DenseInput, Input, OwnInput, OwnLaw, TreeInput
 from posflock_robotarium.freespace.neighbour_search import TREE_FROM_AGENTS
 from posflock_robotarium.freespace.sensing import Sensing, Sensors
@@ -47,26 +47,6 @@ Seed = int | np.random.SeedSequence | np.random.Generator
 
 #: Numbers in one (B, n, n) array of a batch that still fits the processor's cache.
 _CACHED_NUMBERS = 20_000
-
-
-class Model(WordEnum):
-    """The three models the paper compares."""
-
-    VELOCITY = "velocity"
-    POSITION = "position"
-    POSITION_NO_THRESHOLD = "position-no-threshold"
-
-    @property
-    def label(self) -> str:
-        """The paper's name for it, as its figures print it."""
-        return _LABELS[self]
-
-
-_LABELS = {
-    Model.VELOCITY: "V-based",
-    Model.POSITION: "P-based (thr.)",
-    Model.POSITION_NO_THRESHOLD: "P-based (no thr.)",
-}
 
 
 #: Agents, steps and recorded coordinates of a flock beyond which nobody waits for its end.

@@ -20,7 +20,8 @@ from posflock_robotarium.flocking.law import (
     position_based_input,
     velocity_based_input,
 )
-from posflock_robotarium.freespace.simulation import FreeSpace, Model, euler_step, simulate
+from posflock_robotarium.flocking.models import Model
+from posflock_robotarium.freespace.simulation import FreeSpace, euler_step, simulate
 from posflock_robotarium.paper.evidence import Evidence, Varied
 
 Floats = NDArray[np.float64]

@@ -11,7 +11,6 @@ import hashlib
 import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +22,7 @@ from posflock_robotarium.alignment.own_metrics import OWN_GROUP
 from posflock_robotarium.alignment.target_outcomes import TARGET_GROUP
 from posflock_robotarium.alignment.verdicts import headline
 from posflock_robotarium.flocking.errors import ParameterError
+from posflock_robotarium.pages import SHARED_SCRIPTS, SHARED_STYLE, asset
 from posflock_robotarium.report.following_page import following_section
 from posflock_robotarium.report.page_data import EVENTS_SHOWN, page_data
 from posflock_robotarium.report.tables import row_texts
@@ -71,7 +71,8 @@ def render(analyses: Sequence[Analysis], comparison: Comparison | None = None) -
         comparison = compare(analyses)
     if comparison is not None:
         analyses = comparison.analyses
-    scripts = [_asset("uPlot.iife.min.js"), _asset("report.js")]
+    shared = [asset(name) for name in SHARED_SCRIPTS]
+    scripts = [_own("uPlot.iife.min.js"), *shared, _own("report.js")]
     title = " · ".join(analysis.name for analysis in analyses[:4])
     if len(analyses) > 4:
         title += f" and {len(analyses) - 4} more"
@@ -87,9 +88,9 @@ def render(analyses: Sequence[Analysis], comparison: Comparison | None = None) -
         parameters=[_pretty(a) for a in analyses],
         data=_markup(_json(asdict(page_data(analyses)))),
         scripts=[_markup(script) for script in scripts],
-        style=_markup(_asset("uPlot.min.css") + _asset("report.css")),
+        style=_markup(_own("uPlot.min.css") + asset(SHARED_STYLE) + _own("report.css")),
         policy=_policy(scripts),
-        licence=_asset("uPlot.LICENSE"),
+        licence=_own("uPlot.LICENSE"),
         version=__version__,
         definitions=[
             metric
@@ -204,5 +205,5 @@ def _markup(text: str) -> Any:
     return Markup(text)
 
 
-def _asset(name: str) -> str:
-    return (resources.files("posflock_robotarium.report") / "assets" / name).read_text("utf-8")
+def _own(name: str) -> str:
+    return asset(name, "posflock_robotarium.report")

@@ -11,9 +11,10 @@ import numpy as np
 from posflock_robotarium.alignment.point_agents import measure, summarise
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.law import PAPER_SIMULATION
+from posflock_robotarium.flocking.models import Model
 from posflock_robotarium.freespace.inputs import OwnLaw
 from posflock_robotarium.freespace.sensing import Sensing
-from posflock_robotarium.freespace.simulation import Floats, FreeSpace, Model, simulate_batch
+from posflock_robotarium.freespace.simulation import Floats, FreeSpace, simulate_batch
 from posflock_robotarium.sweep.experiments import (
     Experiment,
     Outcome,

@@ -220,6 +220,24 @@ class Scheduler(Roster):
             if self.stepper is me and self._deadlines:
                 self.move_to(self.elapsed)
 
+    @contextlib.contextmanager
+    def held(self) -> Iterator[None]:
+        """Stay within a step for as long as the ``with`` block takes: its real time is nobody's.
+
+        Who looks on may hold the script in a step; others wait meanwhile, and nobody takes the
+        thread that steps for one that hangs or computes.
+        """
+        me = self.me()
+        with self.lock:
+            if self.stepper is not me:
+                self.give_wheel(me)
+            before, me.state = me.state, State.WAITING
+        try:
+            yield
+        finally:
+            with self.lock:
+                me.state, self._leash = before, None
+
     # --- Moving time ----------------------------------------------------------------------------
 
     def move_to(self, target: float) -> None:

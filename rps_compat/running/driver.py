@@ -26,7 +26,7 @@ from rps_compat.clock.stand_ins import in_force
 from rps_compat.errors import ScriptError
 from rps_compat.film import Film
 from rps_compat.process_state import hiding_notes, process_state
-from rps_compat.recording import OpenRecorder, Recording
+from rps_compat.recording import Onlooker, OpenRecorder, Recording
 from rps_compat.repeatable import repeatable
 from rps_compat.report import RunReport
 from rps_compat.run_folder import REPORT_DATA, REPORT_TEXT
@@ -65,6 +65,8 @@ class Guests:
         What is known of the script before it runs.
     teller
         Tells whoever watches from another process how far the run is, and what policy it violates.
+    onlookers
+        Look on in the script's own process.
     """
 
     recorder: OpenRecorder | None = None
@@ -73,6 +75,7 @@ class Guests:
     end_process: Callable[[Outcome], NoReturn] | None = None
     notes: tuple[str, ...] = ()
     teller: Teller | None = None
+    onlookers: tuple[Onlooker, ...] = ()
 
 
 def drive(plan: RunPlan, guests: Guests | None = None) -> Outcome:
@@ -154,7 +157,14 @@ class _Run:
             listeners.append(schedule.step)
         makers = [] if self.measures is None else [self.measures.created]
         return Recording(
-            self.out, self.guests.recorder, about, self.film, listeners=listeners, makers=makers
+            self.out,
+            self.guests.recorder,
+            about,
+            self.film,
+            listeners=listeners,
+            makers=makers,
+            onlookers=self.guests.onlookers,
+            held=contextlib.nullcontext if plan.clock is ClockPolicy.REAL else self.clock.held,
         )
 
     def _session(self) -> Session:

@@ -14,6 +14,7 @@ import mmap
 import os
 import secrets
 import struct
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 
 from rps_compat.clock import real
@@ -82,6 +83,18 @@ class Teller:
         """
         self._write(_OUTCOME, json.dumps(outcome.as_dict()))
 
+    def more(self, kind: str, text: str) -> None:
+        """Tell something else, of a kind that a `Listener` hands on.
+
+        Parameters
+        ----------
+        kind : str
+            One word.
+        text : str
+            One line.
+        """
+        self._write(kind.encode(), text)
+
     def _write(self, kind: bytes, text: str) -> None:
         rest = memoryview(b"%s %s %s\n" % (self.word.encode(), kind, text.encode()))
         with contextlib.suppress(OSError):  # the script has closed what it did not open
@@ -103,12 +116,18 @@ class Listener:
         How the run says it went.
     violations : list of PolicyViolation
         What it has told of so far.
+    more : callable, optional
+        Is given the kind and the text of whatever else it tells.
+    ended : bool
+        Whether nobody is left who could tell anything.
     """
 
     pipe: int
     word: str
     said: Outcome | None = None
     violations: list[PolicyViolation] = field(default_factory=list)
+    more: Callable[[str, str], None] | None = None
+    ended: bool = False
     _begun: bytes = b""
 
     def __post_init__(self) -> None:
@@ -122,6 +141,7 @@ class Listener:
             except BlockingIOError:
                 return
             if not block:
+                self.ended = True
                 return
             *lines, self._begun = (self._begun + block).split(b"\n")
             for line in lines:
@@ -141,6 +161,8 @@ class Listener:
             self.said = Outcome.from_dict(json.loads(text))
         elif kind == _VIOLATION and len(self.violations) < MOST_VIOLATIONS:
             self.violations.append(read_violation(json.loads(text)))
+        elif self.more is not None and kind != _VIOLATION:
+            self.more(kind.decode(), text.decode())
 
 
 def read_pulse(pulse: mmap.mmap) -> tuple[int, float, float, float]:

@@ -123,11 +123,20 @@ class RobotariumABC(SensorFace, ABC):
 
     def _after_step(self) -> None:
         arena = self._arena
-        if arena.realism is not None:
-            self._reported[:] = arena.observe()
+        if arena.realism is not None or self._reported is not arena.poses:
+            self._report(arena)
         self._after_sensed_step()
         if self._pace is not None:
             self._pace.after_step(self.time_step)
+
+    def _report(self, arena: Arena) -> None:
+        """Let the live array hold what is tracked now: the true poses, where that is ideal."""
+        if arena.realism is None:
+            self._reported = arena.poses
+        elif self._reported is arena.poses:  # imperfect since this step
+            self._reported = np.array(arena.observe())
+        else:
+            self._reported[:] = arena.observe()
 
     def _open_figure(self) -> ArenaFigure:
         arena = self._arena

@@ -3,6 +3,7 @@
 "use strict";
 const $ = (id) => document.getElementById(id);
 const data = JSON.parse($("data").textContent);
+const { colour, number } = look;
 
 const bytes = (b64) => Uint8Array.from(atob(b64), (c) => c.charCodeAt(0)).buffer;
 const floats = (b64) => new Float32Array(bytes(b64));
@@ -57,29 +58,9 @@ function posesAt(time) {
   return poses;
 }
 
-/* ---------- theme ---------- */
-const dark = matchMedia("(prefers-color-scheme: dark)");
-let chosen = null;
-let colour = {};
-function theme() {
-  document.documentElement.dataset.theme = chosen || (dark.matches ? "dark" : "light");
-  const style = getComputedStyle(document.documentElement);
-  for (const name of ["arena", "wall", "grid", "link", "robot", "mark", "ink", "soft", "line", "bad", "accent", "c0", "c1", "c2", "c3", "c4", "c5"])
-    colour[name] = style.getPropertyValue("--" + name).trim();
-}
-theme();
-
 /* ---------- time: one clock for arena, slider and curves ---------- */
 const state = { time: begin(), playing: false, speed: 4, zoom: null };
 const arena = $("arena"), scrub = $("scrub"), clock = $("clock"), play = $("play");
-const number = (value, digits = 3) => {
-  if (value === null || value === undefined || !isFinite(value)) return "–";
-  if (value === 0) return "0";
-  const size = Math.abs(value);
-  const text = size >= 1e5 || size < 1e-4 ? value.toExponential(1) : value.toFixed(Math.max(0, Math.min(4, digits - 1 - Math.floor(Math.log10(size)))));
-  return text.replace("-", "−");
-};
-
 function seek(time, { from = null, speak = false } = {}) {
   state.time = Math.min(end(), Math.max(begin(), time));
   drawArena();
@@ -117,91 +98,34 @@ function setPlaying(on) {
 
 /* ---------- the arena ---------- */
 const TRAIL = 12;
-function sizeArena() {
-  const width = arena.clientWidth, [left, right, bottom, top] = run.arena;
-  const pad = 0.07, ratio = (top - bottom + 2 * pad) / (right - left + 2 * pad);
-  const scale = window.devicePixelRatio || 1;
-  arena.style.height = `${Math.round(width * ratio)}px`;
-  arena.width = Math.round(width * scale);
-  arena.height = Math.round(width * ratio * scale);
+const sizeArena = () => arenaPicture.size(arena, run.arena);
+function trailOf(robot, first, frame, pose) {
+  const points = [], step = Math.max(1, Math.floor((frame - first) / 120));
+  let when = run.t[first];
+  for (let k = first; k <= frame; k += step) {
+    const p = poseOf(k, robot);
+    if (!p || run.t[k] - when >= 0.5 * step) points.push(null); // nobody knows how it went there
+    if (p) { points.push(p); when = run.t[k]; }
+  }
+  if (pose && points[points.length - 1]) points.push(pose);
+  return points;
+}
+function linksAmong(poses) {
+  const links = [];
+  for (let i = 0; i < run.robots; i++)
+    for (let j = i + 1; j < run.robots; j++)
+      if (poses[i] && poses[j] && Math.hypot(poses[i][0] - poses[j][0], poses[i][1] - poses[j][1]) < Math.max(run.radius[i], run.radius[j])) links.push([i, j]);
+  return links;
 }
 function drawArena() {
-  const c = arena.getContext("2d"), [left, right, bottom, top] = run.arena, pad = 0.07;
-  const scale = arena.width / (right - left + 2 * pad);
-  const X = (x) => (x - left + pad) * scale, Y = (y) => (top + pad - y) * scale;
-  c.setTransform(1, 0, 0, 1, 0, 0);
-  c.fillStyle = colour.arena;
-  c.fillRect(0, 0, arena.width, arena.height);
-  const thin = Math.max(1, scale * 0.003);
-  c.lineWidth = thin; c.strokeStyle = colour.grid;
-  c.beginPath();
-  for (let x = Math.ceil(left * 2) / 2; x <= right; x += 0.5) { c.moveTo(X(x), Y(bottom)); c.lineTo(X(x), Y(top)); }
-  for (let y = Math.ceil(bottom * 2) / 2; y <= top; y += 0.5) { c.moveTo(X(left), Y(y)); c.lineTo(X(right), Y(y)); }
-  c.stroke();
-  c.lineWidth = 2 * thin; c.strokeStyle = colour.wall;
-  c.strokeRect(X(left), Y(top), (right - left) * scale, (top - bottom) * scale);
-
-  const poses = posesAt(state.time), frame = frameAt(state.time);
-  if ($("trails").checked) {
-    const first = frameAt(state.time - TRAIL), step = Math.max(1, Math.floor((frame - first) / 120));
-    c.lineWidth = 2.2 * thin; c.lineJoin = "round"; c.strokeStyle = colour.robot;
-    for (let i = 0; i < run.robots; i++) {
-      // Three pieces, fainter the older, so that a trail tells its direction.
-      for (let piece = 0; piece < 3; piece++) {
-        const from = first + Math.floor(((frame - first) * piece) / 3), to = first + Math.floor(((frame - first) * (piece + 1)) / 3);
-        c.globalAlpha = 0.14 + 0.16 * piece;
-        c.beginPath();
-        let open = false, when = run.t[from];
-        for (let k = from; k <= to; k += step) {
-          const p = poseOf(k, i);
-          if (!p) { open = false; continue; }
-          if (open && run.t[k] - when < 0.5 * step) c.lineTo(X(p[0]), Y(p[1])); else c.moveTo(X(p[0]), Y(p[1]));
-          open = true; when = run.t[k];
-        }
-        if (piece === 2 && open && poses[i]) c.lineTo(X(poses[i][0]), Y(poses[i][1]));
-        c.stroke();
-      }
-    }
-    c.globalAlpha = 1;
-  }
-  if ($("links").checked && run.radius.length) {
-    c.lineWidth = 1.4 * thin; c.strokeStyle = colour.link;
-    c.beginPath();
-    for (let i = 0; i < run.robots; i++)
-      for (let j = i + 1; j < run.robots; j++)
-        if (poses[i] && poses[j] && Math.hypot(poses[i][0] - poses[j][0], poses[i][1] - poses[j][1]) < Math.max(run.radius[i], run.radius[j])) {
-          c.moveTo(X(poses[i][0]), Y(poses[i][1])); c.lineTo(X(poses[j][0]), Y(poses[j][1]));
-        }
-    c.stroke();
-  }
-  const troubled = new Set();
+  const poses = posesAt(state.time), frame = frameAt(state.time), first = frameAt(state.time - TRAIL), troubled = new Set();
   for (const event of run.events)
     if (state.time + origin() >= event.t - 0.05 && state.time + origin() <= Math.max(event.end, event.t + 0.4)) event.robots.forEach((i) => troubled.add(i));
-  c.font = `600 ${Math.round(0.075 * scale)}px system-ui, sans-serif`;
-  c.textAlign = "center"; c.textBaseline = "middle";
-  const name = (i, x, y) => { if ($("labels").checked) c.fillText(String(i), X(x), Y(y + (y > top - 0.2 ? -0.115 : 0.115))); };
-  poses.forEach((pose, i) => {
-    const seen = pose || lastSeen(frame, i);
-    if (!seen) return;
-    const [x, y, heading] = seen;
-    if (!pose) { // where it was last seen, as an outline
-      c.lineWidth = 2 * thin; c.strokeStyle = colour.soft; c.setLineDash([4 * thin, 4 * thin]);
-      c.strokeRect(X(x - 0.055), Y(y + 0.055), 0.11 * scale, 0.11 * scale);
-      c.setLineDash([]);
-      c.fillStyle = colour.soft;
-      c.fillText("?", X(x), Y(y));
-      name(i, x, y);
-      return;
-    }
-    c.save();
-    c.translate(X(x), Y(y)); c.rotate(-heading); c.scale(scale, scale);
-    c.fillStyle = troubled.has(i) ? colour.bad : colour.robot;
-    c.beginPath(); c.roundRect(-0.05, -0.055, 0.1, 0.11, 0.018); c.fill();
-    c.fillStyle = colour.mark;
-    c.beginPath(); c.moveTo(0.041, 0); c.lineTo(-0.03, 0.036); c.lineTo(-0.013, 0); c.lineTo(-0.03, -0.036); c.closePath(); c.fill();
-    c.restore();
-    c.fillStyle = colour.ink;
-    name(i, x, y);
+  arenaPicture.draw(arena, colour, {
+    arena: run.arena, poses, troubled, labels: $("labels").checked,
+    lastSeen: (i) => lastSeen(frame, i),
+    trails: $("trails").checked ? poses.map((pose, i) => trailOf(i, first, frame, pose)) : [],
+    links: $("links").checked && run.radius.length ? linksAmong(poses) : [],
   });
 }
 
@@ -415,8 +339,8 @@ if ($("axis")) $("axis").addEventListener("change", (event) => {
   requestAnimationFrame(() => { zoom(null); seek(time); });
 });
 $("unzoom").addEventListener("click", () => zoom(null));
-$("theme").addEventListener("click", () => { chosen = document.documentElement.dataset.theme === "dark" ? "light" : "dark"; repaint(); });
-dark.addEventListener("change", repaint);
+$("theme").addEventListener("click", () => { look.turn(); repaint(); });
+look.dark.addEventListener("change", repaint);
 for (const button of document.querySelectorAll("[data-seek]"))
   button.addEventListener("click", () => { seek(Number(button.dataset.seek), { speak: true }); $("replay").scrollIntoView({ behavior: "smooth" }); });
 if ($("run")) $("run").addEventListener("change", (event) => { run = runs[Number(event.target.value)]; marks(); sizeArena(); seek(state.time, { speak: true }); });
@@ -452,7 +376,7 @@ function marks() {
   const mark = (time, kind) => { const i = document.createElement("i"); i.className = kind; i.style.left = `${(100 * (time - origin() - begin())) / length}%`; return i; };
   bar.replaceChildren(...run.events.map((event) => mark(event.t, "fault")), ...(many ? [] : breaks.map((time) => mark(time, "gap"))));
 }
-function repaint() { theme(); for (const { plot } of plots) plot.redraw(false, true); drawArena(); }
+function repaint() { look.apply(); for (const { plot } of plots) plot.redraw(false, true); drawArena(); }
 function resize() {
   sizeArena();
   for (const { plot, holder } of plots) plot.setSize({ width: Math.max(200, holder.clientWidth), height: 168 });
@@ -464,16 +388,16 @@ let before = null;
 addEventListener("beforeprint", () => {
   if (before) return;
   const closed = [...document.querySelectorAll("details:not([open])")];
-  before = { closed, chosen };
+  before = { closed, chosen: look.chosen };
   for (const section of closed) section.open = true;
-  chosen = "light";
+  look.chosen = "light";
   repaint();
   for (const { plot } of plots) plot.setSize({ width: PRINTED, height: 168 });
 });
 addEventListener("afterprint", () => {
   if (!before) return;
   for (const section of before.closed) section.open = false;
-  chosen = before.chosen;
+  look.chosen = before.chosen;
   before = null;
   repaint();
   resize();
