@@ -23,9 +23,9 @@ From the outside in:
 - `wall_distance`, `file_lock`: what the packages above share, and nobody here asks for;
   `word_enum`: what all three do.
 
-Public are these modules and packages, with the names that their ``__all__`` lists; names with an
-underscore are nobody else's business. Nothing here knows the Robotarium or a flock. numpy and scipy
-suffice; other solvers are optional.
+Public are the modules and packages that ``__all__`` lists, with the names that theirs do; the rest
+is nobody else's business. Nothing here knows the Robotarium or a flock. numpy and scipy suffice;
+other solvers are optional.
 
 References
 ----------

@@ -51,7 +51,7 @@ def test_a_link_that_leads_nowhere_is_refused():
 
 def test_the_links_of_the_index_are_the_navigation():
     made = with_navigation("# Site\n\n## Tutorials\n\n- [One](tutorials/one.md): first.\n")
-    assert ":caption: Tutorials\n\ntutorials/one\n" in made
+    assert ":caption: Tutorials\n\nOne <tutorials/one>\n" in made
 
 
 def test_a_picture_that_an_example_draws_stands_below_it(tmp_path):

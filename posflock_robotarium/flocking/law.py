@@ -4,12 +4,11 @@ Three models share one cohesion-separation term and differ in how they align
 (Jond et al., "Position-Based Flocking for Persistent Alignment without Velocity
 Sensing"):
 
-====================  =====================================================================
-velocity-based        :math:`u_i = \sum_j \psi_{ij}\,p_{ij} + \sum_j (v_j - v_i)`
-position-based        :math:`u_i = \sum_j (\psi_{ij} + \phi_i)\,p_{ij} - \phi_i\sum_j p_{ij}(0)`
-position-based,       the same, with a gain :math:`\phi_i` that decays for ever
-no threshold
-====================  =====================================================================
+==============  ==========================================================================
+velocity-based  :math:`u_i = \sum_j \psi_{ij}\,p_{ij} + \sum_j (v_j - v_i)`
+position-based  :math:`u_i = \sum_j (\psi_{ij} + \phi_i)\,p_{ij} - \phi_i\sum_j p_{ij}(0)`
+no threshold    as position-based, with a gain :math:`\phi_i` that decays for ever
+==============  ==========================================================================
 
 where :math:`p_{ij} = p_j - p_i` and the sums run over the neighbours
 :math:`N_i(t) = \{j \ne i : \|p_{ij}\| < r_i\}`, found anew at every step.  The *imprint*

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import shutil
 import sys
 
 from sphinx.cmd.build import main as sphinx
 
+from tools.documentation.accessible_pages import make_accessible
 from tools.documentation.built_pages import faults_of
 from tools.documentation.public_names import public_surface
 from tools.documentation.staging import ROOT, stage
@@ -21,6 +23,7 @@ def main() -> int:
     asked = parser.parse_args()
     source, site = BUILD / "source", BUILD / "html"
     stage(source)
+    shutil.rmtree(site, ignore_errors=True)  # no page of an earlier build
     builder, out = ("linkcheck", BUILD / "links") if asked.external else ("html", site)
     strict = [
         "-b",
@@ -38,6 +41,7 @@ def main() -> int:
     code = sphinx([*strict, "-d", str(BUILD / "doctrees"), str(source), str(out)])
     if code or asked.external:
         return code
+    make_accessible(site)
     faults = faults_of(site, public_surface())
     for fault in faults:
         print(fault, file=sys.stderr)

@@ -86,10 +86,12 @@ def _names(path: str, own: list[PublicName], surface: PublicSurface) -> str:
 def _entry(name: PublicName) -> str:
     if name.kind == "type":
         told = re.sub(r"\b(?:[a-z_]\w*\.)+(?=\w)", "", str(name.value))
-        return f".. py:type:: {name.path}\n   :canonical: {told}\n"
+        return f".. py:type:: {name.name}\n   :module: {name.module}\n   :canonical: {told}\n"
     lines = [f".. auto{name.kind}:: {name.path}"]
     if name.kind in ("class", "exception"):
-        lines += ["   :members:", "   :show-inheritance:"]
+        lines += ["   :members:"]
+        if isinstance(name.value, type) and name.value.__bases__ != (object,):
+            lines += ["   :show-inheritance:"]
         if isinstance(name.value, type) and issubclass(name.value, enum.Enum):
             lines += ["   :undoc-members:"]
     elif name.kind == "data" and len(repr(name.value)) > LONGEST_VALUE:

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
-
 import typer
+from typer.testing import CliRunner
 
 from posflock_robotarium.cli import app
 
@@ -28,9 +25,6 @@ def command_page() -> dict[str, str]:
 
 
 def _help(*words: str) -> str:
-    environment = os.environ | {"COLUMNS": "88", "TERM": "dumb", "NO_COLOR": "1"}
-    done = subprocess.run(
-        [sys.executable, "-m", "posflock_robotarium", *words, "--help"],
-        env=environment, capture_output=True, check=True, text=True, encoding="utf-8",
-    )  # fmt: skip
-    return "\n".join(line.rstrip() for line in done.stdout.strip().splitlines()) + "\n"
+    plain = {"COLUMNS": "88", "TERM": "dumb", "NO_COLOR": "1"}
+    said = CliRunner().invoke(app, [*words, "--help"], prog_name="posflock", env=plain)
+    return "\n".join(line.rstrip() for line in said.stdout.strip().splitlines()) + "\n"

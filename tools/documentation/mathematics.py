@@ -33,4 +33,8 @@ def _display(writer: HTML5Translator, node: nodes.math_block) -> None:
 
 
 def _formula(node: nodes.math | nodes.math_block) -> str:
-    return tex2mathml(node.astext().replace("‖", r"\|"))
+    formula = tex2mathml(node.astext().replace("‖", r"\|"))
+    # Braces would stretch to the height of the line, and beyond.
+    for brace in "{}":
+        formula = formula.replace(f"<mo>{brace}</mo>", f'<mo stretchy="false">{brace}</mo>')
+    return formula

@@ -14,10 +14,12 @@ from tools.documentation.api_pages import api_pages
 from tools.documentation.command_pages import command_page
 from tools.documentation.page_figures import with_figures
 from tools.documentation.public_names import public_surface
-from tools.documentation.repository_links import BESIDE, LINK, RepositoryLinks
+from tools.documentation.repository_links import BESIDE, RepositoryLinks
 
 ROOT = Path(__file__).resolve().parents[2]
 PICTURES = {".png", ".svg"}
+#: A link of the index: what it is called there, and where it leads.
+TITLED = re.compile(r"\[([^]]+)\]\(([^)\s]+)\)")
 #: Pages that only the site has, by the heading of the index under which they belong.
 MADE = {
     "Reference": [
@@ -71,10 +73,10 @@ def with_navigation(index: str) -> str:
     trees = []
     for heading, text in zip(parts[::2], parts[1::2], strict=True):
         pages = [
-            target.removesuffix(".md")
-            for target in LINK.findall(text)
+            f"{title} <{target.rpartition('.')[0]}>"
+            for title, target in TITLED.findall(text)
             if target.endswith((".md", ".rst")) and "://" not in target
         ]
-        lines = [f"```{{toctree}}\n:hidden:\n:caption: {heading}\n", *dict.fromkeys(pages), "```\n"]
+        lines = [f"```{{toctree}}\n:hidden:\n:caption: {heading}\n", *pages, "```\n"]
         trees.append("\n".join(lines))
     return "\n".join([index, *trees])
