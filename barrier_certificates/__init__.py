@@ -35,11 +35,13 @@ European Control Conference (2019).
 """
 
 __all__ = [
+    "batch",
     "certificate",
     "certificate_errors",
     "deadlock",
     "differential_drive",
     "guarantee",
+    "hearing",
     "late",
     "projection",
     "rows",

@@ -22,6 +22,7 @@ from rps_compat.session import Session  # noqa: E402
 __all__ = [
     "Session",
     "arena",
+    "batch",
     "deviations",
     "errors",
     "import_path",

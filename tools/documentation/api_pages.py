@@ -23,7 +23,8 @@ API reference
 Public is what is listed here, and nothing else: what ``__all__`` leads to from the three packages.
 A package lists its public modules there, a module its public names; a public module without
 ``__all__`` means its functions, classes and constants without a leading underscore. Any other
-module, and any name with a leading underscore, may change or go without notice.
+module, and any name with a leading underscore, may change or go without notice. What of these a
+major version keeps for certain stands in :doc:`what 1.x keeps </reference/public-surface>`.
 
 Scripts import the Robotarium's own API, ``rps``, which stands for `rps_compat.v1` or
 `rps_compat.v2`, whichever generation they were written for.
