@@ -37,7 +37,7 @@ LIGHTER = {"posflock reproduce": "--seeds 2", "posflock verify": "-n 2"}
 #: Words that make a command end by itself; its own come after them.
 ENDING = {"posflock watch": "--no-open --no-stay --speed max"}
 #: Exit codes that mean that something was found.
-FINDINGS = {"posflock lint": 1, "posflock verify": 1}
+FINDINGS = {"posflock lint": 1, "posflock verify": 1, "diff": 1}
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ pytestmark = [
 ]
 
 
-@pytest.fixture(params=[(1280, "light"), (1280, "dark"), (390, "light"), (390, "dark")], ids=str)
+@pytest.fixture(params=[(1280, "light"), (390, "dark")], ids=str)
 def page(request, browser):  # noqa: F811
     width, scheme = request.param
     context = browser.new_context(
