@@ -20,7 +20,7 @@ from pathlib import Path
 from posflock_robotarium.flocking.errors import OutputError
 from posflock_robotarium.verify.source import Source
 from posflock_robotarium.verify.trials import lay_out
-from posflock_robotarium.watch.requests import Request, Stop
+from posflock_robotarium.watch.requests import PageRequest, Stop
 from posflock_robotarium.watch.settings import Settings
 from rps_compat.containment.caches import lay_font_list
 from rps_compat.containment.keeper import ProcessOrder
@@ -46,7 +46,7 @@ _ALLOWANCE = Allowance(memory=4 << 30)
 
 
 @dataclass(frozen=True)
-class Job:
+class WatchJob:
     """What is run: all that does not change while it is watched.
 
     Attributes
@@ -83,7 +83,7 @@ class Job:
 
 
 @dataclass
-class Heard:
+class ScriptEars:
     """What is to be called with what the process says.
 
     Attributes
@@ -103,13 +103,13 @@ class ScriptProcess:
 
     Parameters
     ----------
-    job : Job
+    job : WatchJob
         What is run.
     settings : Settings
         How it begins.
     folder : Path
         A folder of its own, which does not exist yet.
-    heard : Heard
+    heard : ScriptEars
         Who is told what it says.
 
     Attributes
@@ -124,7 +124,7 @@ class ScriptProcess:
         Whether nobody is left who could print anything.
     """
 
-    def __init__(self, job: Job, settings: Settings, folder: Path, heard: Heard) -> None:
+    def __init__(self, job: WatchJob, settings: Settings, folder: Path, heard: ScriptEars) -> None:
         self._job, self._heard = job, heard
         self.scratch, self.log = folder / "script", folder / "log"
         fonts = folder / "matplotlib"
@@ -196,12 +196,12 @@ class ScriptProcess:
                 return
             self._heard.printed(block.decode("utf-8", "replace"))
 
-    def ask(self, request: Request) -> None:
+    def ask(self, request: PageRequest) -> None:
         """Hand a request to the run.
 
         Parameters
         ----------
-        request : Request
+        request : PageRequest
             What is asked.
         """
         self._send(request.text())
@@ -290,7 +290,7 @@ def _files(folder: Path) -> list[Path]:
     return [path for path in sorted(folder.rglob("*")) if path.is_file() and not path.is_symlink()]
 
 
-def _plan(job: Job, settings: Settings, scratch: Path, log: Path, fonts: Path) -> RunPlan:
+def _plan(job: WatchJob, settings: Settings, scratch: Path, log: Path, fonts: Path) -> RunPlan:
     profile = job.profiles[settings.profile]
     return RunPlan(
         script=str(scratch / job.script.name),
