@@ -110,7 +110,7 @@ class WatchedRun(Onlooker):
         self.pace = WatchPace(settings.speed, settings.paused)
         self.logs: list[PoseLog] = []
         self.changes: list[dict[str, Any]] = []
-        self._radius, self._seed = radius, seed
+        self._radius, self._seed, self._owner = radius, seed, os.getpid()
         self._arena: Arena | None = None
         self._robotarium: weakref.ref[Any] = weakref.ref(self)
         self._flock: Attended | None = None
@@ -137,6 +137,8 @@ class WatchedRun(Onlooker):
         answer : Answer
             Of any certificate of the script.
         """
+        if os.getpid() != self._owner:  # a process that the script has forked
+            return
         before = self._barrier
         if before is None or (answer.info.intervention or 0.0) >= (before.intervention or 0.0):
             self._barrier = barrier_of(answer)
@@ -149,6 +151,8 @@ class WatchedRun(Onlooker):
         flock : Attended
             A flock of the script.
         """
+        if os.getpid() != self._owner:
+            return
         fresh = self._flock is not flock
         self._flock = flock
         asked = self.settings.law

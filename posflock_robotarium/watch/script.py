@@ -127,17 +127,18 @@ class ScriptProcess:
     def __init__(self, job: WatchJob, settings: Settings, folder: Path, heard: ScriptEars) -> None:
         self._job, self._heard = job, heard
         self.scratch, self.log = folder / "script", folder / "log"
-        fonts = folder / "matplotlib"
-        for place in (self.scratch, self.log):
+        # Records of the script's children are kept in the second.
+        fonts, temporary = folder / "matplotlib", folder / "tmp"
+        for place in (self.scratch, self.log, temporary):
             place.mkdir(parents=True)
         lay_font_list(Path(sys.executable), fonts)
         lay_out(Source(read_script(job.script), job.generation), self.scratch)
         self._given = {str(path.relative_to(self.scratch)) for path in self.scratch.rglob("*")}
-        self.plan = _plan(job, settings, self.scratch, self.log, fonts)
+        self.plan = _plan(job, settings, self.scratch, (self.log, fonts, temporary))
         ear, mouth = os.pipe()
         self._closed = self._interrupted = self.silent = False
         self.told = Listener(ear, new_word(), more=heard.more)
-        self._process = self._started(fonts, mouth)
+        self._process = self._started(fonts, temporary, mouth)
         os.close(mouth)
         os.set_blocking(self.printed, False)
         order = {
@@ -151,10 +152,10 @@ class ScriptProcess:
         }
         self._send(json.dumps(order))
 
-    def _started(self, fonts: Path, mouth: int) -> KeptProcess:
+    def _started(self, fonts: Path, temporary: Path, mouth: int) -> KeptProcess:
         # What measures the tests would write its data where no script may.
         inherited = {k: v for k, v in os.environ.items() if not k.startswith("COVERAGE_")}
-        writable = (str(self.scratch), str(self.log), str(fonts))
+        writable = (str(self.scratch), *self.plan.writable)
         readable = (*python_folders(sys.executable), *filter(None, sys.path))
         room = Room(writable, readable, str(self.scratch))
         command = [sys.executable, "-m", "posflock_robotarium.watch.child"]
@@ -171,6 +172,7 @@ class ScriptProcess:
                 "PYTHONSAFEPATH": "1",
                 "PYTHONUNBUFFERED": "1",
                 "PYTHONIOENCODING": "utf-8:backslashreplace",
+                "TMPDIR": str(temporary),
             },
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
@@ -290,7 +292,7 @@ def _files(folder: Path) -> list[Path]:
     return [path for path in sorted(folder.rglob("*")) if path.is_file() and not path.is_symlink()]
 
 
-def _plan(job: WatchJob, settings: Settings, scratch: Path, log: Path, fonts: Path) -> RunPlan:
+def _plan(job: WatchJob, settings: Settings, scratch: Path, writable: tuple[Path, ...]) -> RunPlan:
     profile = job.profiles[settings.profile]
     return RunPlan(
         script=str(scratch / job.script.name),
@@ -310,6 +312,6 @@ def _plan(job: WatchJob, settings: Settings, scratch: Path, log: Path, fonts: Pa
         forbidden=(PolicyKind.OUTSIDE_WRITE, PolicyKind.NETWORK),
         memory=_ALLOWANCE.memory,
         disk=_ALLOWANCE.disk,
-        out=str(log),
-        writable=(str(log), str(fonts)),
+        out=str(writable[0]),
+        writable=tuple(map(str, writable)),
     )
