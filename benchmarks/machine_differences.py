@@ -25,7 +25,7 @@ import sys
 import numpy as np
 from posflock_robotarium.alignment import metrics
 from posflock_robotarium.flocking.flock import Flock
-from posflock_robotarium.flocking.models import Model
+from posflock_robotarium.flocking.paper_models import Model
 from posflock_robotarium.freespace.simulation import FreeSpace, simulate
 from posflock_robotarium.alignment.point_agents import measure, summarise
 from posflock_robotarium.flocking.placement import random_poses

@@ -14,7 +14,7 @@ import numpy as np
 from comparing import Table
 
 from posflock_robotarium.alignment.point_agents import measure, summarise
-from posflock_robotarium.flocking.models import Model
+from posflock_robotarium.flocking.paper_models import Model
 from posflock_robotarium.freespace.simulation import FreeSpace, simulate_batch
 
 V, P, N = Model.VELOCITY, Model.POSITION, Model.POSITION_NO_THRESHOLD

@@ -11,7 +11,7 @@ from posflock_robotarium.flocking.attendance import attended_by
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.flock import Flock
 from posflock_robotarium.flocking.law import PAPER_EXPERIMENT
-from posflock_robotarium.flocking.models import Model
+from posflock_robotarium.flocking.paper_models import Model
 from posflock_robotarium.flocking.placement import random_poses
 
 STEP = 0.033

@@ -20,7 +20,7 @@ from posflock_robotarium.flocking.law import (
     position_based_input,
     velocity_based_input,
 )
-from posflock_robotarium.flocking.models import Model
+from posflock_robotarium.flocking.paper_models import Model
 from posflock_robotarium.freespace.neighbour_search import (
     TREE_FROM_AGENTS,
     nearest_distances,

@@ -12,7 +12,7 @@ from posflock_robotarium.alignment.point_agents import measure, summarise
 from posflock_robotarium.cli import app
 from posflock_robotarium.figures.style import new_figure, save
 from posflock_robotarium.flocking.errors import OutputError, ParameterError
-from posflock_robotarium.flocking.models import Model
+from posflock_robotarium.flocking.paper_models import Model
 from posflock_robotarium.freespace.simulation import FreeSpace, simulate
 from posflock_robotarium.paper.claim import Claim, Result, Sense
 from posflock_robotarium.paper.claims import CLAIMS, judge_all

@@ -8,7 +8,7 @@ import pytest
 
 from barrier_certificates.hearing import heard_by
 from posflock_robotarium.flocking.attendance import attended_by
-from posflock_robotarium.flocking.models import Model
+from posflock_robotarium.flocking.paper_models import Model
 from posflock_robotarium.logs.recorder import open_pose_log
 from posflock_robotarium.watch.onlooker import Lines, WatchedRun
 from posflock_robotarium.watch.requests import Pause, Retune, Speed, Step, Stop, UseProfile

@@ -6,13 +6,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from posflock_robotarium.flocking.models import Model
-from posflock_robotarium.watch.pace import Pace
+from posflock_robotarium.flocking.paper_models import Model
+from posflock_robotarium.watch.pace import WatchPace
 from posflock_robotarium.watch.requests import (
     Again,
     Go,
+    PageRequest,
     Pause,
-    Request,
     RequestError,
     Retune,
     Speed,
@@ -75,7 +75,7 @@ def test_any_json_is_a_request_or_refused(data):
         request = read_request(json.dumps(data))
     except RequestError:
         return
-    assert isinstance(request, Request)
+    assert isinstance(request, PageRequest)
     assert read_request(request.text()) == request
 
 
@@ -89,7 +89,7 @@ def test_settings_follow_requests_and_pass_through_json():
 
 
 def test_a_pace_waits_for_the_slot_of_a_step_and_catches_nothing_up():
-    pace = Pace(2.0)
+    pace = WatchPace(2.0)
     assert pace.wait(10.0) == 0.0
     pace.stepped(0.0, 0.04, 10.0)
     assert pace.wait(10.0) == pytest.approx(0.02)
@@ -103,7 +103,7 @@ def test_a_pace_waits_for_the_slot_of_a_step_and_catches_nothing_up():
 
 
 def test_a_held_pace_waits_for_ever_but_for_the_steps_it_may_do():
-    pace = Pace(None, paused=True)
+    pace = WatchPace(None, paused=True)
     assert pace.wait(0.0) == float("inf")
     pace.step(2)
     for k in range(2):
@@ -115,7 +115,7 @@ def test_a_held_pace_waits_for_ever_but_for_the_steps_it_may_do():
 
 
 def test_the_speed_that_is_reached_is_measured():
-    pace = Pace(None)
+    pace = WatchPace(None)
     for k in range(100):
         pace.stepped(0.033 * k, 0.033, 0.011 * k)
     assert pace.reached == pytest.approx(3.0)

@@ -12,7 +12,7 @@ from starlette.testclient import TestClient, WebSocketDenialResponse
 from starlette.websockets import WebSocketDisconnect
 
 from posflock_robotarium.watch.guard import refusal
-from posflock_robotarium.watch.script import Job
+from posflock_robotarium.watch.script import WatchJob
 from posflock_robotarium.watch.server import application
 from posflock_robotarium.watch.settings import Settings
 from posflock_robotarium.watch.show import Show, Viewer
@@ -24,7 +24,9 @@ HOST = "127.0.0.1:8000"
 
 @pytest.fixture
 def show(tmp_path):
-    job = Job(Path("some script.py"), 2, {name: load_profile(name) for name in ("ideal", "harsh")})
+    job = WatchJob(
+        Path("some script.py"), 2, {name: load_profile(name) for name in ("ideal", "harsh")}
+    )
     return Show(job, Settings(), tmp_path)
 
 

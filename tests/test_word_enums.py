@@ -7,7 +7,7 @@ import pytest
 
 from barrier_certificates.projection import Status
 from posflock_robotarium.alignment.verdicts import Mark
-from posflock_robotarium.flocking.models import Model
+from posflock_robotarium.flocking.paper_models import Model
 from posflock_robotarium.submission.returned_files import FileState
 from posflock_robotarium.sweep.parameter_distribution import ParameterSpread
 from posflock_robotarium.verify.findings import Code

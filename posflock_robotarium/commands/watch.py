@@ -9,7 +9,7 @@ from posflock_robotarium.commands import options, watch_options
 from posflock_robotarium.commands.terminal import say
 
 if TYPE_CHECKING:
-    from posflock_robotarium.watch.script import Job
+    from posflock_robotarium.watch.script import WatchJob
     from posflock_robotarium.watch.serving import Place
     from rps_compat.generations import Generation
 
@@ -83,10 +83,10 @@ def _job(
     profile: str,
     radius: float | None,
     answers: list[str] | None,
-) -> "Job":
+) -> "WatchJob":
     """Return what is run, with all profiles that a page may choose."""
     from posflock_robotarium.flocking.errors import ParameterError
-    from posflock_robotarium.watch.script import Job
+    from posflock_robotarium.watch.script import WatchJob
     from rps_compat.profiles import NAMES, load_profile
     from rps_compat.run_settings import RunSettings
     from rps_compat.scripts.evidence import evidence_in
@@ -101,7 +101,7 @@ def _job(
     api: Generation = evidence.generation
     if generation is not None:
         api = 1 if generation == 1 else 2
-    return Job(
+    return WatchJob(
         script=script,
         generation=api,
         profiles={name: load_profile(name) for name in dict.fromkeys((*NAMES, profile))},

@@ -2,7 +2,7 @@
 
 ==================  ==================================================================
 law                 the paper's laws: pure functions of positions and velocities
-models              the three models that the paper compares, by name
+paper_models        the three models that the paper compares, by name
 neighbour_memory    who is a neighbour, with a margin: nobody flickers at the radius
 steering            what turns the flock as a whole away from the walls
 pose_filter         poses as they are now, out of poses as they were logged

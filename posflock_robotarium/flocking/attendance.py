@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.flocking.law import LawParameters
-from posflock_robotarium.flocking.models import Model
+from posflock_robotarium.flocking.paper_models import Model
 
 
 class Attended(Protocol):

@@ -48,8 +48,8 @@ from posflock_robotarium.flocking.law import (
     displacements,
     saturate,
 )
-from posflock_robotarium.flocking.models import Model
 from posflock_robotarium.flocking.neighbour_memory import NeighbourMemory
+from posflock_robotarium.flocking.paper_models import Model
 from posflock_robotarium.flocking.pose_filter import PoseFilter, PoseFilterParameters
 from posflock_robotarium.flocking.steering import ArenaSteering, SteeringParameters
 

@@ -37,7 +37,7 @@ from posflock_robotarium.flocking.law import (
     LawParameters,
     saturate,
 )
-from posflock_robotarium.flocking.models import Model
+from posflock_robotarium.flocking.paper_models import Model
 from posflock_robotarium.freespace.inputs import DenseInput, Input, OwnInput, OwnLaw, TreeInput
 from posflock_robotarium.freespace.neighbour_search import TREE_FROM_AGENTS
 from posflock_robotarium.freespace.sensing import Sensing, Sensors

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from posflock_robotarium.alignment.point_agents import Measures, summarise
 from posflock_robotarium.alignment.summary import Summary
-from posflock_robotarium.flocking.models import Model
+from posflock_robotarium.flocking.paper_models import Model
 from posflock_robotarium.freespace.sensing import Sensing
 from posflock_robotarium.freespace.simulation import FreeSpace, PointRun
 from posflock_robotarium.logs.run import Run

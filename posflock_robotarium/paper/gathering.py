@@ -17,7 +17,7 @@ from barrier_certificates import ties
 from posflock_robotarium.alignment.point_agents import Measures, measure, stack
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.law import displacements, neighbours, phi
-from posflock_robotarium.flocking.models import Model
+from posflock_robotarium.flocking.paper_models import Model
 from posflock_robotarium.freespace.simulation import FreeSpace, PointRun, simulate_batch
 from posflock_robotarium.paper.evidence import Evidence, Robots, Variation, variations
 from posflock_robotarium.paper.robots import Drive, drive

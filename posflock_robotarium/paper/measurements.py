@@ -20,7 +20,7 @@ from posflock_robotarium.flocking.law import (
     position_based_input,
     velocity_based_input,
 )
-from posflock_robotarium.flocking.models import Model
+from posflock_robotarium.flocking.paper_models import Model
 from posflock_robotarium.freespace.simulation import FreeSpace, euler_step, simulate
 from posflock_robotarium.paper.evidence import Evidence, Varied
 

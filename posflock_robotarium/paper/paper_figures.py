@@ -27,7 +27,7 @@ from posflock_robotarium.figures.style import (
     save,
 )
 from posflock_robotarium.flocking.law import PAPER_SIMULATION, phi
-from posflock_robotarium.flocking.models import Model
+from posflock_robotarium.flocking.paper_models import Model
 from posflock_robotarium.freespace.simulation import PointRun
 from posflock_robotarium.paper.evidence import Evidence, Floats, Robots, Varied
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from posflock_robotarium.alignment.point_agents import summarise
-from posflock_robotarium.flocking.models import Model
+from posflock_robotarium.flocking.paper_models import Model
 from posflock_robotarium.paper.evidence import Evidence, Floats
 
 #: What a table over seeds shows, in order: the key of a summary, a title, a unit.

@@ -11,7 +11,7 @@ import numpy as np
 from posflock_robotarium.alignment.point_agents import measure, summarise
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.law import PAPER_SIMULATION
-from posflock_robotarium.flocking.models import Model
+from posflock_robotarium.flocking.paper_models import Model
 from posflock_robotarium.freespace.inputs import OwnLaw
 from posflock_robotarium.freespace.sensing import Sensing
 from posflock_robotarium.freespace.simulation import Floats, FreeSpace, simulate_batch

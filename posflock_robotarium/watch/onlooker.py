@@ -21,12 +21,12 @@ from barrier_certificates.hearing import Answer
 from posflock_robotarium.flocking.attendance import Attended
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.pose_log import PoseLog
-from posflock_robotarium.watch.pace import Pace
-from posflock_robotarium.watch.picture import Barrier, barrier_of, frame_of, known, scene_of
+from posflock_robotarium.watch.pace import WatchPace
+from posflock_robotarium.watch.picture import BarrierPicture, barrier_of, frame_of, known, scene_of
 from posflock_robotarium.watch.requests import (
     Go,
+    PageRequest,
     Pause,
-    Request,
     Retune,
     Speed,
     Step,
@@ -107,15 +107,15 @@ class WatchedRun(Onlooker):
     ) -> None:
         self._tell, self._requests, self._profiles = tell, requests, profiles
         self.settings = settings
-        self.pace = Pace(settings.speed, settings.paused)
+        self.pace = WatchPace(settings.speed, settings.paused)
         self.logs: list[PoseLog] = []
         self.changes: list[dict[str, Any]] = []
-        self._radius, self._seed = radius, seed
+        self._radius, self._seed, self._owner = radius, seed, os.getpid()
         self._arena: Arena | None = None
         self._robotarium: weakref.ref[Any] = weakref.ref(self)
         self._flock: Attended | None = None
-        self._barrier: Barrier | None = None  # since the last picture
-        self._told_barrier: Barrier | None = None
+        self._barrier: BarrierPicture | None = None  # since the last picture
+        self._told_barrier: BarrierPicture | None = None
         self._shown = (-math.inf, -1)  # real time and step of the last picture
         self._begun_with = settings.profile
 
@@ -137,6 +137,8 @@ class WatchedRun(Onlooker):
         answer : Answer
             Of any certificate of the script.
         """
+        if os.getpid() != self._owner:  # a process that the script has forked
+            return
         before = self._barrier
         if before is None or (answer.info.intervention or 0.0) >= (before.intervention or 0.0):
             self._barrier = barrier_of(answer)
@@ -149,6 +151,8 @@ class WatchedRun(Onlooker):
         flock : Attended
             A flock of the script.
         """
+        if os.getpid() != self._owner:
+            return
         fresh = self._flock is not flock
         self._flock = flock
         asked = self.settings.law
@@ -198,7 +202,7 @@ class WatchedRun(Onlooker):
             self._change(request, arena)
             self.tell_state()
 
-    def _change(self, request: Request, arena: Arena) -> None:
+    def _change(self, request: PageRequest, arena: Arena) -> None:
         """Do what is asked, between two steps of robots and flock."""
         before, pace = self.settings, self.pace
         self.settings = before.after(request)

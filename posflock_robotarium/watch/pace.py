@@ -15,7 +15,7 @@ _WINDOW = 1.5
 
 
 @dataclass
-class Pace:
+class WatchPace:
     """The pace of one run.
 
     Attributes

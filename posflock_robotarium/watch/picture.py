@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Barrier:
+class BarrierPicture:
     """What a certificate did in a step.
 
     Attributes
@@ -47,7 +47,7 @@ class Barrier:
     given: list[list[float]]
 
 
-def barrier_of(answer: Answer) -> Barrier:
+def barrier_of(answer: Answer) -> BarrierPicture:
     """Return what a page is shown of a certificate's answer.
 
     Parameters
@@ -67,7 +67,7 @@ def barrier_of(answer: Answer) -> Barrier:
                 pairs.append((touched[0], touched[1]))
             if len(touched) == 2 or " and " in label:  # motors' limits keep nobody apart
                 active.append(label)
-    return Barrier(
+    return BarrierPicture(
         status=info.status.value,
         intervention=known(info.intervention),
         clearance=known(info.clearance),

@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass, fields
 from typing import Any, ClassVar
 
 from posflock_robotarium.flocking.errors import ParameterError
-from posflock_robotarium.flocking.models import Model
+from posflock_robotarium.flocking.paper_models import Model
 from posflock_robotarium.watch.tuning import RANGES
 
 #: How many times as fast as real time a page may ask for; None is as fast as it computes.
@@ -29,7 +29,7 @@ class RequestError(ParameterError):
 
 
 @dataclass(frozen=True)
-class Request:
+class PageRequest:
     """What all requests have in common."""
 
     do: ClassVar[str] = ""
@@ -40,21 +40,21 @@ class Request:
 
 
 @dataclass(frozen=True)
-class Pause(Request):
+class Pause(PageRequest):
     """Hold the simulation in its step."""
 
     do = "pause"
 
 
 @dataclass(frozen=True)
-class Go(Request):
+class Go(PageRequest):
     """Go on."""
 
     do = "go"
 
 
 @dataclass(frozen=True)
-class Step(Request):
+class Step(PageRequest):
     """Drive so many steps, and hold the simulation again.
 
     Attributes
@@ -79,7 +79,7 @@ class Step(Request):
 
 
 @dataclass(frozen=True)
-class Speed(Request):
+class Speed(PageRequest):
     """Run so many times as fast as real time.
 
     Attributes
@@ -103,7 +103,7 @@ class Speed(Request):
 
 
 @dataclass(frozen=True)
-class UseProfile(Request):
+class UseProfile(PageRequest):
     """Let the robots be as imperfect as this profile says, from the next step on.
 
     Attributes
@@ -126,7 +126,7 @@ class UseProfile(Request):
 
 
 @dataclass(frozen=True)
-class Retune(Request):
+class Retune(PageRequest):
     """Let the flock follow another law from its next step on; what is None stays as it is.
 
     Attributes
@@ -180,25 +180,25 @@ class Retune(Request):
 
 
 @dataclass(frozen=True)
-class Again(Request):
+class Again(PageRequest):
     """End the run, and start the script again from its beginning, as things are set now."""
 
     do = "again"
 
 
 @dataclass(frozen=True)
-class Stop(Request):
+class Stop(PageRequest):
     """Interrupt the script as Ctrl-C does."""
 
     do = "stop"
 
 
-_KINDS: dict[str, type[Request]] = {
+_KINDS: dict[str, type[PageRequest]] = {
     kind.do: kind for kind in (Pause, Go, Step, Speed, UseProfile, Retune, Again, Stop)
 }
 
 
-def read_request(text: str) -> Request:
+def read_request(text: str) -> PageRequest:
     """Return the request that a line of JSON is.
 
     Parameters
@@ -222,7 +222,7 @@ def read_request(text: str) -> Request:
     return _request(dict(data))
 
 
-def _request(data: dict[str, Any]) -> Request:
+def _request(data: dict[str, Any]) -> PageRequest:
     do = data.pop("do", None)
     kind = _KINDS.get(do) if isinstance(do, str) else None
     if kind is None:

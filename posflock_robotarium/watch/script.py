@@ -20,7 +20,7 @@ from pathlib import Path
 from posflock_robotarium.flocking.errors import OutputError
 from posflock_robotarium.verify.source import Source
 from posflock_robotarium.verify.trials import lay_out
-from posflock_robotarium.watch.requests import Request, Stop
+from posflock_robotarium.watch.requests import PageRequest, Stop
 from posflock_robotarium.watch.settings import Settings
 from rps_compat.containment.caches import lay_font_list
 from rps_compat.containment.keeper import ProcessOrder
@@ -46,7 +46,7 @@ _ALLOWANCE = Allowance(memory=4 << 30)
 
 
 @dataclass(frozen=True)
-class Job:
+class WatchJob:
     """What is run: all that does not change while it is watched.
 
     Attributes
@@ -83,7 +83,7 @@ class Job:
 
 
 @dataclass
-class Heard:
+class ScriptEars:
     """What is to be called with what the process says.
 
     Attributes
@@ -103,13 +103,13 @@ class ScriptProcess:
 
     Parameters
     ----------
-    job : Job
+    job : WatchJob
         What is run.
     settings : Settings
         How it begins.
     folder : Path
         A folder of its own, which does not exist yet.
-    heard : Heard
+    heard : ScriptEars
         Who is told what it says.
 
     Attributes
@@ -124,20 +124,21 @@ class ScriptProcess:
         Whether nobody is left who could print anything.
     """
 
-    def __init__(self, job: Job, settings: Settings, folder: Path, heard: Heard) -> None:
+    def __init__(self, job: WatchJob, settings: Settings, folder: Path, heard: ScriptEars) -> None:
         self._job, self._heard = job, heard
         self.scratch, self.log = folder / "script", folder / "log"
-        fonts = folder / "matplotlib"
-        for place in (self.scratch, self.log):
+        # Records of the script's children are kept in the second.
+        fonts, temporary = folder / "matplotlib", folder / "tmp"
+        for place in (self.scratch, self.log, temporary):
             place.mkdir(parents=True)
         lay_font_list(Path(sys.executable), fonts)
         lay_out(Source(read_script(job.script), job.generation), self.scratch)
         self._given = {str(path.relative_to(self.scratch)) for path in self.scratch.rglob("*")}
-        self.plan = _plan(job, settings, self.scratch, self.log, fonts)
+        self.plan = _plan(job, settings, self.scratch, (self.log, fonts, temporary))
         ear, mouth = os.pipe()
         self._closed = self._interrupted = self.silent = False
         self.told = Listener(ear, new_word(), more=heard.more)
-        self._process = self._started(fonts, mouth)
+        self._process = self._started(fonts, temporary, mouth)
         os.close(mouth)
         os.set_blocking(self.printed, False)
         order = {
@@ -151,10 +152,10 @@ class ScriptProcess:
         }
         self._send(json.dumps(order))
 
-    def _started(self, fonts: Path, mouth: int) -> KeptProcess:
+    def _started(self, fonts: Path, temporary: Path, mouth: int) -> KeptProcess:
         # What measures the tests would write its data where no script may.
         inherited = {k: v for k, v in os.environ.items() if not k.startswith("COVERAGE_")}
-        writable = (str(self.scratch), str(self.log), str(fonts))
+        writable = (str(self.scratch), *self.plan.writable)
         readable = (*python_folders(sys.executable), *filter(None, sys.path))
         room = Room(writable, readable, str(self.scratch))
         command = [sys.executable, "-m", "posflock_robotarium.watch.child"]
@@ -171,6 +172,7 @@ class ScriptProcess:
                 "PYTHONSAFEPATH": "1",
                 "PYTHONUNBUFFERED": "1",
                 "PYTHONIOENCODING": "utf-8:backslashreplace",
+                "TMPDIR": str(temporary),
             },
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
@@ -196,12 +198,12 @@ class ScriptProcess:
                 return
             self._heard.printed(block.decode("utf-8", "replace"))
 
-    def ask(self, request: Request) -> None:
+    def ask(self, request: PageRequest) -> None:
         """Hand a request to the run.
 
         Parameters
         ----------
-        request : Request
+        request : PageRequest
             What is asked.
         """
         self._send(request.text())
@@ -290,7 +292,7 @@ def _files(folder: Path) -> list[Path]:
     return [path for path in sorted(folder.rglob("*")) if path.is_file() and not path.is_symlink()]
 
 
-def _plan(job: Job, settings: Settings, scratch: Path, log: Path, fonts: Path) -> RunPlan:
+def _plan(job: WatchJob, settings: Settings, scratch: Path, writable: tuple[Path, ...]) -> RunPlan:
     profile = job.profiles[settings.profile]
     return RunPlan(
         script=str(scratch / job.script.name),
@@ -310,6 +312,6 @@ def _plan(job: Job, settings: Settings, scratch: Path, log: Path, fonts: Path) -
         forbidden=(PolicyKind.OUTSIDE_WRITE, PolicyKind.NETWORK),
         memory=_ALLOWANCE.memory,
         disk=_ALLOWANCE.disk,
-        out=str(log),
-        writable=(str(log), str(fonts)),
+        out=str(writable[0]),
+        writable=tuple(map(str, writable)),
     )

@@ -16,7 +16,7 @@ from pathlib import Path
 from types import FrameType
 
 from posflock_robotarium.flocking.errors import PosflockError
-from posflock_robotarium.watch.script import Job
+from posflock_robotarium.watch.script import WatchJob
 from posflock_robotarium.watch.settings import Settings
 from posflock_robotarium.watch.show import Show
 from rps_compat.containment.kept import KeptFolder
@@ -81,7 +81,7 @@ def require_library() -> None:
 
 
 def watch(
-    job: Job,
+    job: WatchJob,
     settings: Settings,
     *,
     port: int = 0,
@@ -96,7 +96,7 @@ def watch(
 
     Parameters
     ----------
-    job : Job
+    job : WatchJob
         What is run.
     settings : Settings
         How it begins.

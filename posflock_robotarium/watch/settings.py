@@ -8,8 +8,8 @@ from typing import Any
 
 from posflock_robotarium.watch.requests import (
     Go,
+    PageRequest,
     Pause,
-    Request,
     Retune,
     Speed,
     Step,
@@ -53,12 +53,12 @@ class Settings:
         """
         return replace(cls(**{**data, "law": Retune()}), law=Retune(**data["law"]))
 
-    def after(self, request: Request) -> Settings:
+    def after(self, request: PageRequest) -> Settings:
         """Return the settings once a request is obeyed.
 
         Parameters
         ----------
-        request : Request
+        request : PageRequest
             What is asked.
         """
         if isinstance(request, (Pause, Step)):

@@ -16,8 +16,8 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from posflock_robotarium.watch.requests import SPEEDS, Again, Request, RequestError, UseProfile
-from posflock_robotarium.watch.script import Heard, Job, ScriptProcess
+from posflock_robotarium.watch.requests import SPEEDS, Again, PageRequest, RequestError, UseProfile
+from posflock_robotarium.watch.script import ScriptEars, ScriptProcess, WatchJob
 from posflock_robotarium.watch.settings import Settings
 from posflock_robotarium.watch.tuning import MODELS, RANGES
 from rps_compat.running.outcome import Outcome, summary
@@ -68,7 +68,7 @@ class Show:
 
     Parameters
     ----------
-    job : Job
+    job : WatchJob
         What is run.
     settings : Settings
         How it begins.
@@ -91,7 +91,7 @@ class Show:
 
     def __init__(
         self,
-        job: Job,
+        job: WatchJob,
         settings: Settings,
         folder: Path,
         out: Path | None = None,
@@ -168,12 +168,12 @@ class Show:
         for viewer in self._viewers:
             viewer.offer(kind, text)
 
-    def ask(self, request: Request) -> None:
+    def ask(self, request: PageRequest) -> None:
         """Do what a page asks.
 
         Parameters
         ----------
-        request : Request
+        request : PageRequest
             What it asks.
 
         Raises
@@ -218,7 +218,7 @@ class Show:
         for kind, text in self._everything():
             self._tell(kind, text)
         self._runs += 1
-        place, heard = self._folder / f"run-{self._runs}", Heard(self._heard, self._print)
+        place, heard = self._folder / f"run-{self._runs}", ScriptEars(self._heard, self._print)
         process = await asyncio.to_thread(ScriptProcess, self.job, self.settings, place, heard)
         self._process = process
         loop, sources = asyncio.get_running_loop(), (process.told.pipe, process.printed)
