@@ -52,7 +52,8 @@ def test_every_public_class_and_function_tells_what_it_is_for(surface):
 def test_what_the_documentation_imports_is_public(surface):
     listed = {name.path for name in surface.names} | set(surface.modules)
     for page in PAGES:
-        for block in python_blocks(page):
+        # Who adds a check to the project uses what is inside.
+        for block in python_blocks(page) if page.name != "CONTRIBUTING.md" else ():
             for node in ast.walk(ast.parse(block)):
                 if isinstance(node, ast.ImportFrom) and node.module.partition(".")[0] in PACKAGES:
                     for name in node.names:
