@@ -21,10 +21,12 @@ unique there, and none is a library's.
 """
 
 __all__ = [
+    "attendance",
     "constants_on_board",
     "errors",
     "flock",
     "law",
+    "models",
     "neighbour_memory",
     "placement",
     "pose_filter",
