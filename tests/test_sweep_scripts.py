@@ -13,9 +13,11 @@ from posflock_robotarium.cli import app
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.sweep.execution import compute
 from posflock_robotarium.sweep.parameter_distribution import StudyError
+from posflock_robotarium.sweep.results import succeeded
 from posflock_robotarium.sweep.script_constants import constants_in, with_constants
 from posflock_robotarium.sweep.store import ERROR
 from posflock_robotarium.sweep.study import parse_study
+from posflock_robotarium.sweep.study_figures import outcome_over
 from rps_compat.scripts.source import parse_script
 
 SCRIPT = '''"""Drives straight on; the names in functions are its own."""
@@ -114,6 +116,15 @@ def test_a_study_runs_copies_and_tells_of_each(script):
     assert [row[ERROR] for row in rows if row["LABEL"] == "fails"] == [
         "ScriptRunError: failed: ValueError: as told"
     ] * 2
+    pictured = parse_study(
+        said | {"figures": [{"x": "SPEED", "y": y} for y in ("speed", "way")]}, script.parent
+    )
+    labels = [
+        (axes.get_xlabel(), axes.get_ylabel())
+        for asked in pictured.figures
+        for axes in outcome_over(pictured, succeeded(rows), asked).axes
+    ]
+    assert labels == [("SPEED", "speed (m/s)"), ("SPEED", "way")]  # units that nobody told
     # What a run hangs on is in its key: the file of the metric, too.
     (script.parent / "mine.py").write_text("def way(run):\n    return run.positions[:, 0, 0]\n")
     again = {run.key for run in parse_study(said, script.parent).runs()}

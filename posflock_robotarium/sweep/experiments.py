@@ -17,7 +17,7 @@ asked for.  A module that registers one of its own can be named in a study file.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib import import_module
 from typing import Any
 
@@ -57,6 +57,9 @@ class Experiment:
         Returns the text of files that the parameters name, whose contents decide a run too.
     sources : tuple of function
         Functions behind `run` that a reader of its module's imports would not find.
+    units : mapping of str
+        Of its parameters and outcomes; what is missing has an unknown one. Empty where the
+        package's own experiments have the same names.
     """
 
     name: str
@@ -68,6 +71,7 @@ class Experiment:
     check: Callable[[Parameters], object] = lambda parameters: None
     reads: Callable[[Parameters], str] = lambda parameters: ""
     sources: tuple[Callable[..., object], ...] = ()
+    units: Mapping[str, str] = field(default_factory=dict)
 
     def with_defaults(self, given: Parameters) -> dict[str, Value]:
         """Return all parameters, those given in their default's type.

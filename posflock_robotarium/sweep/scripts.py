@@ -20,6 +20,7 @@ from typing import NoReturn
 
 import numpy as np
 
+from posflock_robotarium.alignment.catalogue import scalars
 from posflock_robotarium.alignment.measuring import measure, numbers_of
 from posflock_robotarium.alignment.own_metrics import own_metrics
 from posflock_robotarium.flocking.errors import ParameterError, PosflockError
@@ -121,6 +122,7 @@ def script_experiment(path: Path) -> Experiment:
         check=check,
         reads=reads,
         sources=(run_script, *_faces()),
+        units={key: scalar.unit or "–" for key, scalar in scalars().items()},
     )
 
 

@@ -113,7 +113,7 @@ def outcome_over(study: Study, rows: Sequence[Row], asked: Asked) -> Figure:
     figure = new_figure(3.6, 2.7)
     axes = figure.subplots()
     groups = _values(study, rows, asked.by) if asked.by else [None]
-    axes.set(xlabel=_title(asked.x), ylabel=_title(asked.y))
+    axes.set(xlabel=_title(study, asked.x), ylabel=_title(study, asked.y))
     for group, look in zip(groups, cycle(_LOOKS), strict=False):
         chosen = [row for row in rows if group is None or row[asked.by] == group]
         label = _tick(group) if group is not None else None
@@ -123,7 +123,7 @@ def outcome_over(study: Study, rows: Sequence[Row], asked: Asked) -> Figure:
             values = _values(study, chosen, asked.x)
             _medians(axes, values, chosen, asked, label, look)
     if asked.by:
-        title = _title(asked.by).removesuffix(" (–)")
+        title = _title(study, asked.by).removesuffix(" (–)")
         figure.legend(loc="outside lower center", ncols=3, title=title)
     few = study.replications < FEWEST_RUNS
     each = f"median{'' if few else ' and 95 % interval'} of {study.replications} runs"
@@ -172,7 +172,7 @@ def _medians(
     )
     if not numeric:
         axes.set_xticks(places, [_tick(x) for x in values])
-        axes.set_xlabel(_title(asked.x).removesuffix(" (–)"))
+        axes.set_xlabel(axes.get_xlabel().removesuffix(" (–)"))
         axes.margins(x=0.15)
 
 
@@ -206,8 +206,11 @@ def _default_figures(study: Study) -> list[Asked]:
     return [Asked(x, y, by) for y in study.experiment.headline]
 
 
-def _title(name: str) -> str:
-    return name.replace("_", " ") + (f" ({UNITS[name]})" if name in UNITS else " (–)")
+def _title(study: Study, name: str) -> str:
+    """Return a name with its unit, a dash where it has none, and nothing where that is unknown."""
+    own = study.experiment.units
+    unit = own.get(name, "") if own else UNITS.get(name, "–")
+    return name.replace("_", " ") + (f" ({unit})" if unit else "")
 
 
 def _tick(value: object) -> str:
