@@ -50,6 +50,7 @@ One = Callable[[int, Path], tuple[str, str]]
 def attempt(path: Path, **said: object) -> str:
     """Read one file as somebody who says `said` does; return how it went."""
     from posflock_robotarium.flocking.errors import PosflockError
+    from posflock_robotarium.logs.known_numbers import LEAST_SEEN
     from posflock_robotarium.report import ReadOptions, read
 
     try:
@@ -58,9 +59,13 @@ def attempt(path: Path, **said: object) -> str:
         return NAMED_ERROR if path.stem in str(error) else f"nameless error: {error}"
     except Exception as error:
         return f"unnamed {type(error).__name__}: {error}"
-    seen = recording.poses if recording.headed else recording.poses[:, :2]
+    # A cell that was emptied, or made a NaN, is a robot that was not seen, as a whole.
+    places = recording.poses[:, :2]
+    known = np.isfinite(places).all(axis=1)
     sound = (
-        np.isfinite(seen).all()
+        (np.isfinite(places).any(axis=1) == known).all()
+        and not np.isinf(recording.poses).any()
+        and known.mean() >= LEAST_SEEN
         and (np.diff(recording.t) > 0).all()
         and recording.poses.shape == (len(recording.t), 3, recording.robots)
     )

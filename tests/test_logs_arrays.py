@@ -47,10 +47,10 @@ def test_a_shape_that_nothing_decides_is_asked_for():
 
 
 def test_more_robots_than_a_testbed_holds_need_the_layout_by_name():
-    many = np.zeros((5, 3, 60))
+    many = np.zeros((70, 3, 60))
     with pytest.raises(LayoutError, match=r"name one with --layout"):
         to_states(many, "many")
-    assert to_states(many, "many", "T,3,N")[0].shape == (5, 3, 60)
+    assert to_states(many, "many", "T,3,N")[0].shape == (70, 3, 60)
 
 
 def test_wheels_roll_and_shuffled_columns_slide():

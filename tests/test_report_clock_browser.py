@@ -55,6 +55,29 @@ def test_a_click_goes_to_the_time_that_is_shown(open_page, two_clocks):
     assert now(page) == pytest.approx(14.85, abs=0.3)
 
 
+#: Coloured points of the first chart within a tenth of its width, in the middle.
+COLOURED = """() => {
+  const canvas = document.querySelector(".u-wrap canvas"), w = canvas.width, h = canvas.height;
+  const copy = new OffscreenCanvas(w, h).getContext("2d", { willReadFrequently: true });
+  copy.drawImage(canvas, 0, 0);
+  const { data } = copy.getImageData(0.45 * w, 0, 0.1 * w, h);
+  let count = 0;
+  for (let k = 0; k < data.length; k += 4) {
+    const [r, g, b] = data.slice(k, k + 3);
+    if (data[k + 3] > 99 && Math.max(r, g, b) - Math.min(r, g, b) > 60) count += 1;
+  }
+  return count;
+}"""
+
+
+def test_a_stall_is_a_gap_over_real_time_alone(open_page, two_clocks):
+    page = open_page(file=two_clocks)
+    page.evaluate("posflock.seek(1)")
+    until(page, f"({COLOURED})() > 50")
+    page.select_option("#axis", "real")
+    until(page, f"({COLOURED})() === 0")
+
+
 @pytest.mark.parametrize("size", SIZES)
 def test_steps_drive_and_gains_are_photographed(open_page, two_clocks, size):
     page = open_page(size, file=two_clocks)

@@ -157,7 +157,7 @@ def following_of(run: MeasuredRun) -> Following | None:
     first, last = float(part.t[0]), float(part.t[-1])
     if not part.headed:
         return Following((), (), None, None, first, last, refused="there are no headings in it")
-    told = float(np.abs(recording.commands).max())
+    told = float(np.nanmax(np.abs(recording.commands)))
     if told > LARGEST_COMMAND:
         reason = f"a command of {told:.3g} in it is none that a robot can be given"
         return Following((), (), None, None, first, last, refused=reason)
@@ -185,6 +185,7 @@ def _most_varied(recording: Run, start: float) -> Run:
         # Speeds and turn rates in shares of the largest, so that both count.
         scale = np.array(fastest(recording.robot))[:, np.newaxis]
         told = (recording.commands[begin::_EVERY] / scale).reshape(-1, 2 * recording.robots)
+        told = np.nan_to_num(told)
         sums, squares = (
             np.concatenate([np.zeros((1, told.shape[1])), np.cumsum(part, axis=0)])
             for part in (told, np.square(told))

@@ -82,14 +82,41 @@ def increments_of(log: Run, offsets: Floats, times: StepTimes, sightings: Sighti
     # The way along an arc is longer than its chord.
     chord = np.sinc(turn / (2 * np.pi))
     along = (moved[:, 0] * np.cos(heading) + moved[:, 1] * np.sin(heading)) / chord
+    commands, unknown = held_commands(log.commands[:-1])
+    # What a robot does for a while hangs on commands that nobody knows.
+    since = np.where(unknown, times.t[:-1, np.newaxis], -np.inf)
+    known &= times.t[:-1, np.newaxis] - np.maximum.accumulate(since, axis=0) >= MEMORY
     along, turn = np.where(known, along, 0.0), np.where(known, turn, 0.0)
-    commands = log.commands[:-1]
     before = np.zeros_like(commands[0])
     if not _begins_at_rest(along, turn, commands, times.steps):
         # What they had been told meanwhile is forgotten after a while; till then this is a guess.
         before = commands[0]
         known = known & (times.t[:-1] >= MEMORY)[:, None]
     return Increments(along, turn, commands, times.steps, known, before)
+
+
+def held_commands(commands: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+    """Return commands with the one before in place of each that is unknown, as wheels hold it.
+
+    Parameters
+    ----------
+    commands : (K, 2, N) array
+        m/s and rad/s, NaN where unknown.
+
+    Returns
+    -------
+    held : (K, 2, N) array
+        m/s and rad/s; 0 before the first that is known.
+    unknown : (K, N) boolean array
+        Which are unknown.
+    """
+    unknown = np.asarray(np.isnan(commands).any(axis=1), dtype=bool)
+    if not unknown.any():
+        return commands, unknown
+    rows = np.where(unknown, -1, np.arange(len(commands))[:, np.newaxis])
+    last = np.maximum.accumulate(rows, axis=0)
+    held = np.take_along_axis(commands, np.maximum(last, 0)[:, np.newaxis], axis=0)
+    return np.where(last[:, np.newaxis] < 0, 0.0, held), unknown
 
 
 def _begins_at_rest(along: Floats, turn: Floats, commands: Floats, steps: Floats) -> bool:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from posflock_robotarium.calibration.increments import NO_COMMANDS
+from posflock_robotarium.calibration.increments import NO_COMMANDS, held_commands
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.logs.readers import LayoutError, ReadOptions, read
 from posflock_robotarium.logs.real_time import over_real_time
@@ -87,7 +87,8 @@ def resimulate(log: Run, profile: Profile, seed: int = 0) -> Run:
         # The log's first headings have the offset already, which the profile will add.
         start[2] -= profile.heading_offset.radians.draw(log.robots, np.random.default_rng(seed))
     arena = Arena(start, log.robot, realism=profile.start(), rng=np.random.default_rng(seed))
-    poses = _at_times(log.t - log.t[0], *_driven(arena, log.t - log.t[0], log.commands))
+    t, (commands, _) = log.t - log.t[0], held_commands(log.commands)
+    poses = _at_times(t, *_driven(arena, t, commands))
     known = {
         **{k: v for k, v in log.parameters.items() if k not in ("ended", "format", "versions")},
         "resimulated_with": profile.name,

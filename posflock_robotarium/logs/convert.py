@@ -120,9 +120,9 @@ def _write_mat(recording: Run, path: Path) -> None:
 
 
 def _write_csv(recording: Run, path: Path) -> None:
-    """Write the parameters as a comment, then one row a sample: t, x1, y1, theta1, x2 and so on."""
+    """Write the parameters as a comment, then one row a sample: t, x0, y0, theta0, x1 and so on."""
     names = [
-        f"{state}{robot + 1}" for robot in range(recording.robots) for state in ("x", "y", "theta")
+        f"{state}{robot}" for robot in range(recording.robots) for state in ("x", "y", "theta")
     ]
     flat = recording.poses.transpose(0, 2, 1).reshape(len(recording.t), -1)
     with atomic_write(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:

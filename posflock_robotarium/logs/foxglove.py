@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from posflock_robotarium.flocking.errors import OutputError
 from posflock_robotarium.logs.run import Run
@@ -67,7 +68,7 @@ def write_mcap(recording: Run, path: Path) -> None:
                 "/robots": _scene(stamp, poses),
             }
             if recording.commands is not None:
-                speed, turn = recording.commands[k].tolist()
+                speed, turn = _told(recording.commands[k])
                 messages["/commands"] = {"timestamp": stamp, "v": speed, "omega": turn}
             for topic, message in messages.items():
                 writer.add_message(
@@ -78,6 +79,11 @@ def write_mcap(recording: Run, path: Path) -> None:
                     data=json.dumps(message, separators=(",", ":")).encode(),
                 )
         writer.finish()
+
+
+def _told(commands: NDArray[np.float64]) -> list[list[float | None]]:
+    """Return the commands (2, N) for JSON, which has no NaN."""
+    return [[None if np.isnan(value) else value for value in row] for row in commands.tolist()]
 
 
 def _pose(x: float, y: float, heading: float) -> Json:

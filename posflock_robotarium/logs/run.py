@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from barrier_certificates import ties
 from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.logs.known_numbers import known_commands, known_poses
 from posflock_robotarium.logs.printed_log import PrintedLog
 from posflock_robotarium.logs.robots import LoggedRobot, robot_of
 from rps_compat.testbed import RobotModel
@@ -33,18 +34,6 @@ Floats = NDArray[np.float64]
 
 GAP_FACTOR = 3.0
 """A step longer than this many median steps is a gap, not a slow loop."""
-
-FARTHEST = 1e4
-"""Metres from the origin beyond which a position is taken for damage, not for a robot."""
-
-LARGEST_HEADING = 1e6
-"""Radians beyond which a heading is taken for damage (unwrapped headings stay far below)."""
-
-LEAST_SEEN = 0.1
-"""Share of robots and times that must be known, lest the numbers be no poses at all."""
-
-MOST_DAMAGED = 0.5
-"""Share of the numbers there are beyond which impossible ones mean that all are misread."""
 
 
 class LayoutError(LogError):
@@ -128,10 +117,11 @@ class Run:
         Seconds, strictly increasing.
     poses : (T, 3, N) array
         x, y in metres and heading in radians; NaN where a robot was not seen. Where only positions
-        were logged, every heading is NaN. What no robot can have (infinite, beyond `FARTHEST`) is
-        unseen, and noted.
+        were logged, every heading is NaN. What no robot can have (see `known_numbers`)
+        is unseen, and noted.
     commands : (T, 2, N) array, optional
-        Commanded linear (m/s) and angular (rad/s) velocity.
+        Commanded linear (m/s) and angular (rad/s) velocity; NaN where unknown. What nobody commands
+        (see `known_numbers`) is unknown, and noted.
     intervention : (T,) array, optional
         Intervention of the certificate: how far it changed a velocity at most, each step (m/s); NaN
         where unknown.
@@ -188,7 +178,7 @@ class Run:
         if self.t.shape != (samples,):
             raise LogError(f"{where}: {self.t.shape[0]} times for {samples} poses")
         _check_time(where, self.t)
-        poses, note = _known_poses(where, self.poses)
+        poses, note = known_poses(where, self.poses)
         if poses is not self.poses:
             object.__setattr__(self, "poses", poses)
         if note:
@@ -213,10 +203,10 @@ class Run:
             unknown = values == "" if name == "status" else np.isnan(values)
             if unknown.all():
                 object.__setattr__(self, name, None)
-        if self.commands is not None and not np.isfinite(self.commands).all():
-            sound = np.isfinite(self.commands).all(axis=(1, 2))
-            row = int(np.flatnonzero(~sound)[0])
-            raise LogError(f"{where}: row {row}: a command is not a finite number")
+        if self.commands is not None:
+            commands, note = known_commands(self.commands)
+            object.__setattr__(self, "commands", commands)
+            object.__setattr__(self, "notes", tuple(dict.fromkeys((*self.notes, *note))))
         if self.real_time is not None:
             _check_time(where, self.real_time, "real time")
         if self.intervention is not None and np.isinf(self.intervention).any():
@@ -353,41 +343,3 @@ def _check_time(where: str, t: Floats, name: str = "time") -> None:
             f"{where}: row {row}: {name} {what}, {t[row - 1]:g} s then {t[row]:g} s "
             f"({back.size} such row(s)); sort or mend the file"
         )
-
-
-def _known_poses(where: str, poses: Floats) -> tuple[Floats, str]:
-    """Return poses with NaN for whatever is none, and what is to be said of that."""
-    # One reduction for the common, sound case; the rest is only looked at when there is some.
-    with np.errstate(invalid="ignore"):
-        positions_sound = bool(np.abs(poses[:, :2]).max() <= FARTHEST)
-        headings_sound = bool(np.abs(poses[:, 2]).max() <= LARGEST_HEADING)
-    if positions_sound and (headings_sound or bool(np.isnan(poses[:, 2]).all())):
-        return poses, ""
-    limit = np.array([FARTHEST, FARTHEST, LARGEST_HEADING])[:, np.newaxis]
-    with np.errstate(invalid="ignore"):
-        absurd = np.abs(poses) > limit
-    said = ""
-    if absurd.any():
-        row, axis, robot = (int(index) for index in np.argwhere(absurd)[0])
-        first = f"row {row}: {('x', 'y', 'heading')[axis]} of robot {robot} is "
-        first += f"{poses[row, axis, robot]:g}"
-        if absurd.sum() > MOST_DAMAGED * (~np.isnan(poses)).sum():
-            raise LogError(
-                f"{where}: {first}, no place a robot can be, and so are most of its numbers: is it "
-                "damaged, or of another form?"
-            )
-        said = f"{int(absurd.sum())} numbers that no robot can have are unseen ({first})"
-    known = np.array(poses, dtype=float)
-    known[absurd] = np.nan
-    unseen = np.isnan(known[:, :2]).any(axis=1)
-    known.transpose(0, 2, 1)[unseen] = np.nan
-    share = 1.0 - float(unseen.mean())
-    if share < LEAST_SEEN or int((~unseen.all(axis=1)).sum()) < 2:
-        raise LogError(
-            f"{where}: only {share:.0%} of its poses are known ({int((~unseen).sum())} of "
-            f"{unseen.size}, all else is NaN or no place a robot can be); expected at least two "
-            f"times, and {LEAST_SEEN:.0%}"
-        )
-    # Poses that are known to be NaN already stay the same array.
-    same = not absurd.any() and bool((np.isnan(known) == np.isnan(poses)).all())
-    return (poses if same else known), said

@@ -25,12 +25,12 @@ def _excess(run: MeasuredRun) -> Floats | None:
     if fastest is None:
         return None
     excess = fastest - run.robot.max_wheel_velocity
-    return np.where(ties.beyond(excess, 0.0), excess, 0.0)
+    return np.where(ties.beyond(excess, 0.0) | np.isnan(excess), excess, 0.0)
 
 
 def _largest_excess(run: MeasuredRun) -> float | None:
     excess = run.once(_excess)
-    return None if excess is None else float(excess.max())
+    return None if excess is None else float(np.nanmax(excess))
 
 
 def _steps_in_excess(run: MeasuredRun) -> int | None:

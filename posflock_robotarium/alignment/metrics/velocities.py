@@ -117,8 +117,8 @@ def fastest_wheel(commands: ArrayLike, wheel_radius: float, base_length: float) 
     Returns
     -------
     (...) array
-        The speed, rad/s.
+        The speed, rad/s, of the commands that are known; NaN where none is.
     """
     u = np.asarray(commands, dtype=float)
     fastest = np.abs(u[..., 0, :]) + np.abs(u[..., 1, :]) * (base_length / 2.0)
-    return np.asarray(fastest.max(axis=-1) / wheel_radius)
+    return np.asarray(np.fmax.reduce(fastest, axis=-1) / wheel_radius)

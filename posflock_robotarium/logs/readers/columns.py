@@ -16,10 +16,12 @@ from numpy.typing import NDArray
 
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.logs.readers.clocks import Track, joined
+from posflock_robotarium.logs.readers.dates import seconds_of
 from posflock_robotarium.logs.readers.found import Found
 from posflock_robotarium.logs.readers.names import (
     ANGLES,
     LENGTHS,
+    QUATERNION,
     ROBOT_NAMES,
     SECONDS,
     STATE_NAMES,
@@ -28,6 +30,7 @@ from posflock_robotarium.logs.readers.names import (
     numbered,
     split_unit,
 )
+from posflock_robotarium.logs.readers.quaternions import headings_of
 from posflock_robotarium.logs.readers.tables import Table
 from posflock_robotarium.logs.run import LayoutError
 
@@ -51,6 +54,8 @@ class _Columns:
     """By the name of the state and the robot's number."""
     units: dict[int, str | None] = field(default_factory=dict)
     """What the header says of the states' columns."""
+    rotations: dict[tuple[str, str], int] = field(default_factory=dict)
+    """Parts of quaternions, by their name and the robot's number; "" where there is one robot."""
     unused: list[str] = field(default_factory=list)
 
 
@@ -86,13 +91,15 @@ def by_names(table: Table, names: tuple[str, ...], notes: list[str]) -> Found:
         raise LogError(f"{table.path}: column {names[words[0]]} holds words, not numbers")
     poses = table.values[:, chosen] * _factors(chosen, columns, notes)
     poses[:, chosen < 0] = np.nan
+    if (chosen[2] < 0).all() and columns.rotations:
+        chosen[2] = _turned(table, columns, poses, notes)
     if (chosen[2] < 0).any():
         notes.append("positions only: headings are unknown, and drawn along the motion")
-    t = None if columns.time is None else table.values[:, columns.time] * columns.second
+    t = None if columns.time is None else _times(table, columns, notes)
     if columns.robot is not None and not columns.states_of:
         found = _long(table, columns.robot, t, poses[:, :, 0], notes)
     else:
-        notes.append(f"{poses.shape[2]} robot(s) found by column name")
+        notes.append(f"{poses.shape[2]} robot(s) found by column name{_numbers(columns)}")
         found = Found(t, poses, ())
     told = {columns.units.get(int(index)) for index in chosen[:2].ravel()} <= set(LENGTHS)
     angles = {columns.units.get(int(index)) for index in chosen[2] if index >= 0}
@@ -117,7 +124,11 @@ def _columns_of(path: Path, names: tuple[str, ...], notes: list[str]) -> _Column
         elif word in STATE_OF and STATE_OF[word] not in found.states:
             found.states[STATE_OF[word]] = index
             found.units[index] = unit
-        elif (key := numbered(word)) is not None:
+        elif word in QUATERNION:
+            found.rotations[word, ""] = index
+        elif (key := numbered(word)) is not None and key[0] in QUATERNION:
+            found.rotations[key] = index
+        elif key is not None:
             if key in found.states_of:
                 raise LayoutError(f"{path}: two columns are {key[0]} of robot {key[1]}")
             found.states_of[key] = index
@@ -127,6 +138,40 @@ def _columns_of(path: Path, names: tuple[str, ...], notes: list[str]) -> _Column
     if found.unused:
         notes.append(f"{len(found.unused)} column(s) not used: {', '.join(found.unused[:8])}")
     return found
+
+
+def _numbers(columns: _Columns) -> str:
+    """Return how the numbers in the columns' names go over into robots counted from 0."""
+    numbers = sorted({int(robot) for _, robot in columns.states_of})
+    if numbers == list(range(len(numbers))):
+        return ""
+    if numbers == list(range(numbers[0], numbers[0] + len(numbers))):
+        told = f"robot {numbers[0]} of the file is robot 0 here"
+    else:
+        told = f"robots {', '.join(map(str, numbers[:12]))} of the file are 0, 1, … here"
+    return f"; {told}"
+
+
+def _times(table: Table, columns: _Columns, notes: list[str]) -> Floats:
+    """Return the times in seconds, which may stand as dates or times of day."""
+    if columns.time is None or columns.time not in table.words:
+        return np.asarray(table.values[:, columns.time or 0] * columns.second)
+    notes.append("times are dates or times of day, taken in seconds")
+    return seconds_of(table.words[columns.time], str(table.path))
+
+
+def _turned(table: Table, columns: _Columns, poses: Floats, notes: list[str]) -> int:
+    """Fill in headings from quaternions; return a column of them, or -1 where parts lack."""
+    robots = sorted({robot for _, robot in columns.states_of}, key=int) or [""]
+    parts = [[columns.rotations.get((part, robot), -1) for robot in robots] for part in QUATERNION]
+    if min(map(min, parts)) < 0:
+        columns.unused += list(QUATERNION)
+        return -1
+    quaternions = np.moveaxis(table.values[:, np.array(parts)], 1, 0)
+    heading, told = headings_of(quaternions)
+    poses[:, 2] = heading
+    notes.append(f"headings from quaternions{told}")
+    return parts[0][0]
 
 
 def _of_each_robot(path: Path, columns: _Columns) -> NDArray[np.int_]:

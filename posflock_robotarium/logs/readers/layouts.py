@@ -45,7 +45,7 @@ class Layout:
     turn : callable
         From the array to poses (T, 3, N), or states (T, 5, N).
     each : int
-        Numbers of each robot: 3, or 5 with its commands.
+        Numbers of each robot: 3, 5 with its commands, or 2 without its heading.
     """
 
     name: str
@@ -61,8 +61,18 @@ class Layout:
         return f"({self.name})" + (f" by {self.columns}" if self.columns else "")
 
 
-def _stacked(axis: int, robots: int) -> Callable[[tuple[int, ...]], int]:
-    return lambda shape: shape[robots] if shape[axis] == 3 else 0
+def _stacked(order: str, each: int) -> Layout:
+    """Return a layout of three axes, which are called in order: T, N and the number of states."""
+    axes = order.split(",")
+    time, states, robots = axes.index("T"), axes.index(str(each)), axes.index("N")
+    return Layout(
+        order,
+        3,
+        "",
+        lambda shape: shape[robots] if shape[states] == each else 0,
+        lambda array: array.transpose(time, states, robots),
+        each,
+    )
 
 
 def _flat(axis: int, each: int) -> Callable[[tuple[int, ...]], int]:
@@ -86,9 +96,11 @@ def _by_robot(each: int, along: int) -> Callable[[Floats], Floats]:
 
 
 LAYOUTS: tuple[Layout, ...] = (
-    Layout("T,3,N", 3, "", _stacked(1, 2), lambda a: a),
-    Layout("3,N,T", 3, "", _stacked(0, 1), lambda a: a.transpose(2, 0, 1)),
-    Layout("T,N,3", 3, "", _stacked(2, 1), lambda a: a.transpose(0, 2, 1)),
+    *(
+        _stacked(order.format(each), each)
+        for each in (3, 5, 2)
+        for order in ("T,{},N", "{},N,T", "T,N,{}", "N,{},T", "N,T,{}", "{},T,N")
+    ),
     *(
         Layout(name.format(each), 2, order, _flat(axis, each), turn(each, axis), each)
         for each in (3, 5)
@@ -96,10 +108,12 @@ LAYOUTS: tuple[Layout, ...] = (
         for order, turn in (("state", _by_state), ("robot", _by_robot))
     ),
 )
+USUAL = ("T,3,N", "3,N,T", "T,N,3")
+"""What scripts save, and is not asked whether robots roll in it."""
 NAMES = tuple(dict.fromkeys(layout.name for layout in LAYOUTS))
 COLUMN_ORDERS = ("state", "robot")
-_FAR, _SLIDING = 0.005, 0.25
-"""Metres in five samples that are motion and no noise, and a share of it that no wheels do."""
+_FAR, _SLIDING, _ROLLING = 0.005, 0.25, 0.05
+"""Metres in five samples that are motion and no noise; shares of it that no wheels do, and do."""
 _JUMP = 10.0
 """How many times farther than usual no robot drives."""
 _LONGER_THAN_ARENAS = 10.0
@@ -168,19 +182,23 @@ def to_states(
         asked = f"layout {layout}" if named else "any known layout " + " ".join(NAMES)
         raise LayoutError(
             f"{where}: shape {array.shape} does not fit {asked} "
-            f"(3 or 5 numbers a robot{'' if named else f', at most {MOST_ROBOTS} robots'}, "
+            f"(2, 3 or 5 numbers a robot{'' if named else f', at most {MOST_ROBOTS} robots'}, "
             f"{'at least 2' if samples is None else samples} samples); name one with --layout"
         )
     if len(fits) == 1:
         how = "as asked" if layout is not None else "the only one that fits the shape"
         chosen, label = fits[0], f"layout {fits[0].label}, {how}"
-        if layout is None and chosen.axes == 2:
+        if layout is None and chosen.each > 2 and chosen.name not in USUAL:
             _ask_where_robots_slide(chosen, array, where)
     else:
         chosen, label = _decide_by_rolling(array, where, fits)
     states = chosen.turn(array)
     if chosen.each == 3:
         return states, None, label
+    if chosen.each == 2:
+        unknown = np.full((len(states), 1, states.shape[2]), np.nan)
+        poses = np.concatenate([states, unknown], axis=1)
+        return poses, None, f"{label}; positions only: headings are unknown"
     return states[:, :3], states[:, 3:], f"{label}; five numbers a robot: x, y, heading, v and ω"
 
 
@@ -199,10 +217,13 @@ def _fitting(
     ]
     lengths = {id(c): size // (c.each * c.robots(shape)) for c in fits}
     # A few samples of many robots with commands are what any short table looks like.
-    least = {3: 2, 5: 2 if named else 6}
+    least = {3: 2, 5: 2 if named else 6, 2: 2 if named else 6}
     fits = [
         c for c in fits if lengths[id(c)] >= least[c.each] and samples in (None, lengths[id(c)])
     ]
+    # Positions alone are what is left when nothing else fits, or what is asked for.
+    if not named and any(c.each > 2 for c in fits):
+        fits = [c for c in fits if c.each > 2]
     # With one robot, both orders of columns are the same columns.
     return [
         c for c in fits if not (c.columns == "robot" and columns is None and c.robots(shape) == 1)
@@ -303,6 +324,22 @@ def sideways_share(poses: Floats) -> float:
     return float(np.sum(np.square(across[usual]))) / total if total > 0 else float("nan")
 
 
+def only_transposed_rolls(table: Floats) -> bool:
+    """Tell whether a table of MATLAB's is (T, 5N), since robots slide in (5N, T) and here do not.
+
+    Parameters
+    ----------
+    table : (rows, columns) array
+        Both of which are multiples of five.
+    """
+    with np.errstate(all="ignore"):
+        across, along = (
+            sideways_share(_by_robot(5, axis)(table)[:, :3]) if min(table.shape) > 5 else math.nan
+            for axis in (0, 1)
+        )
+    return along < _ROLLING and across > 5 * along + 0.1
+
+
 def _ask_where_robots_slide(chosen: Layout, array: Floats, where: str) -> None:
     """Refuse the only reading of a flat table if robots drive across their headings in it."""
     poses = chosen.turn(array)[:, :3]
@@ -326,7 +363,9 @@ def _decide_by_rolling(array: Floats, where: str, fits: list[Layout]) -> tuple[L
         shares = [sideways_share(c.turn(array)) for c in fits]
     order = np.argsort(shares, kind="stable")
     best, second = shares[order[0]], shares[order[1]]
-    if not (np.isfinite(best) and np.isfinite(second) and best < 0.05 and second > 5 * best + 0.1):
+    if not (
+        np.isfinite(best) and np.isfinite(second) and best < _ROLLING and second > 5 * best + 0.1
+    ):
         options = " or ".join(dict.fromkeys(f"--layout {c.name}" for c in fits))
         raise LayoutError(
             f"{where}: shape {array.shape} can be read as {readings}; say which with {options} "

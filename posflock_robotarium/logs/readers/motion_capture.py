@@ -16,7 +16,7 @@ from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.logs.readers.forms import Form, Sign
 from posflock_robotarium.logs.readers.found import Found, ReadOptions
 from posflock_robotarium.logs.readers.names import ANGLES, LENGTHS
-from posflock_robotarium.logs.readers.quaternions import yaw
+from posflock_robotarium.logs.readers.quaternions import headings_of
 
 Floats = NDArray[np.float64]
 
@@ -68,15 +68,18 @@ def _read_motive(file: Path, options: ReadOptions) -> Found:
         raise LogError(f"{file}: markers and no rigid body; export rigid bodies from Motive")
     scale = _METRES.get(about.get("Length Units", "Meters").lower(), 1.0)
     states = []
+    told: tuple[str, ...] = ()
     for body in bodies:
         x, z = (values[:, place[body, "Position", axis]] for axis in "XZ")
         turned = [values[:, place[body, "Rotation", axis]] for axis in "XYZW"]
         # About the y axis, which is up: the same turn with the axes called x, -z, y.
-        heading = yaw(turned[0], -turned[2], turned[1], turned[3])
+        heading, body_told = headings_of(np.stack([turned[0], -turned[2], turned[1], turned[3]]))
+        told += (f"{body}: rotations{body_told}",) if body_told else ()
         states.append(np.stack([x * scale, -z * scale, heading], axis=1))
     notes = (
         f"Motive export: {', '.join(bodies)}; y is up, so the floor is x and -z",
         f"lengths in {about.get('Length Units', 'Meters').lower()}",
+        *told,
     )
     poses = np.stack(states, axis=2)
     return Found(values[:, 1], poses, notes, lengths_told=True, angles_told=True)
@@ -92,13 +95,16 @@ def _read_vicon(file: Path, options: ReadOptions) -> Found:
     values = _numbers(file, rows, head + 2, len(axes))
     bodies = [(i, cell.rpartition(":")[2]) for i, cell in enumerate(rows[head - 1]) if cell]
     states = []
+    told: tuple[str, ...] = ()
     for (first, body), (last, _) in zip(bodies, [*bodies[1:], (len(axes), "")], strict=True):
         place = {axis: first + k for k, axis in enumerate(axes[first:last])}
         if not {"RZ", "TX", "TY"} <= set(place):
             raise LogError(f"{file}: {body} has no RZ, TX and TY; export objects from Vicon")
         length = LENGTHS.get(units[place["TX"]], 1e-3)
         if "RW" in place:
-            heading = yaw(*(values[:, place[part]] for part in ("RX", "RY", "RZ", "RW")))
+            parts = np.stack([values[:, place[part]] for part in ("RX", "RY", "RZ", "RW")])
+            heading, body_told = headings_of(parts)
+            told += (f"{body}: rotations{body_told}",) if body_told else ()
         else:
             heading = values[:, place["RZ"]] * ANGLES.get(units[place["RZ"]], 1.0)
         x, y = (values[:, place[axis]] * length for axis in ("TX", "TY"))
@@ -108,6 +114,7 @@ def _read_vicon(file: Path, options: ReadOptions) -> Found:
     notes = (
         f"Vicon export: {', '.join(name for _, name in bodies)}; {rate:g} frames a second",
         f"lengths in {units[next(i for i, a in enumerate(axes) if a == 'TX')]}",
+        *told,
     )
     t = (values[:, 0] - values[0, 0]) / rate
     return Found(t, np.stack(states, axis=2), notes, lengths_told=True, angles_told=True)

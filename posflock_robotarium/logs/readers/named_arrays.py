@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -11,7 +12,12 @@ from numpy.typing import NDArray
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.logs.readers import parameters
 from posflock_robotarium.logs.readers.found import Found, ReadOptions
-from posflock_robotarium.logs.readers.layouts import MATLABS_OWN, may_be_poses, to_states
+from posflock_robotarium.logs.readers.layouts import (
+    MATLABS_OWN,
+    may_be_poses,
+    only_transposed_rolls,
+    to_states,
+)
 from posflock_robotarium.logs.readers.names import (
     COMMAND_NAMES,
     POSE_NAMES,
@@ -42,8 +48,10 @@ def poses_among(
     """
     described = arrays.get(parameters.NAME)
     arrays = {name: array for name, array in arrays.items() if name != parameters.NAME}
-    names = _short_names(arrays)
     notes = [f"{kind} with {', '.join(arrays)}"]
+    if options.array is None:
+        arrays = _one_for_all_robots(arrays, notes)
+    names = _short_names(arrays)
     t = next((_line(arrays[names[n]], where) for n in TIME_NAMES if n in names), None)
     if t is not None and t.size < 2:
         t = None
@@ -61,8 +69,10 @@ def poses_among(
     else:
         name = _pose_array(arrays, names, where, asked, t)
         array = floats(arrays[name], f"{where}: {name}")
-        layout, order = _as_matlab_does(name, array.shape, options)
+        layout, order = _as_matlab_does(name, array, options)
         poses, commands, how = to_states(array, f"{where}: {name}", layout, order, samples=samples)
+        if layout != options.layout:
+            how = how.replace("as asked", f"as the testbed's MATLAB interface writes {MATLABS_OWN}")
         notes.append(f"poses from {name}, shape {array.shape}, {how}")
     command = next((names[n] for n in COMMAND_NAMES if n in names), None)
     if command is not None and commands is None:
@@ -95,6 +105,36 @@ def _said(described: NDArray[Any] | None, where: str) -> tuple[dict[str, Any], i
     return said, parameters.rows_promised(said)
 
 
+def _one_for_all_robots(
+    arrays: Mapping[str, NDArray[Any]], notes: list[str]
+) -> dict[str, NDArray[Any]]:
+    """Put ``robot1``, ``robot2``, … of one shape together, where no array has a name of poses."""
+    names = _short_names(arrays)
+    families: dict[str, dict[int, str]] = {}
+    for name in arrays:
+        if match := _NUMBERED.fullmatch(name):
+            families.setdefault(match["family"], {})[int(match["robot"])] = name
+    together = dict(arrays)
+    if any(name in names for name in POSE_NAMES):
+        return together
+    for family, members in families.items():
+        parts = [arrays[members[robot]] for robot in sorted(members)]
+        alike = len(parts) > 1 and len({part.shape for part in parts}) == 1
+        if not alike or family in arrays or any(part.dtype.kind not in "fiu" for part in parts):
+            continue
+        for name in members.values():
+            del together[name]
+        flat = [
+            part.reshape(-1) if part.size == max(part.shape, default=1) else part for part in parts
+        ]
+        together[family] = np.stack(flat, axis=-1)
+        notes.append(f"an array a robot, put together: {', '.join(members.values())}")
+    return together
+
+
+_NUMBERED = re.compile(r"(?P<family>.*?[^\d_])_?(?P<robot>\d+)")
+
+
 def _short_names(arrays: Mapping[str, NDArray[Any]]) -> dict[str, str]:
     """Return the arrays' names by what they may be called: ``data.poses`` is ``poses``, too."""
     names: dict[str, str] = {}
@@ -106,13 +146,16 @@ def _short_names(arrays: Mapping[str, NDArray[Any]]) -> dict[str, str]:
 
 
 def _as_matlab_does(
-    name: str, shape: tuple[int, ...], options: ReadOptions
+    name: str, array: Floats, options: ReadOptions
 ) -> tuple[str | None, str | None]:
     """Return the layout and order of columns: the testbed's own, where the array has its name."""
-    own = name.rpartition(".")[2].lower() == MATLABS_OWN and len(shape) == 2 and shape[0] % 5 == 0
-    if own and options.layout is None and options.order is None:
+    own = name.rpartition(".")[2].lower() == MATLABS_OWN and array.ndim == 2
+    if not own or options.layout is not None or options.order is not None:
+        return options.layout, options.order
+    wide, tall = (count % 5 == 0 for count in (array.shape[1], array.shape[0]))
+    if tall and not (wide and only_transposed_rolls(array)):
         return "5N,T", "robot"
-    return options.layout, options.order
+    return ("T,5N", "robot") if wide else (None, None)
 
 
 def codes_of(words: NDArray[np.str_]) -> NDArray[np.uint32]:

@@ -16,31 +16,50 @@ POSE_NAMES = (
     "trajectory",
     "trajectories",
     "robotarium_data",
+    "pose_history",
+    "poses_history",
+    "state_history",
+    "x_history",
 )
 COMMAND_NAMES = ("command", "commands", "dxu", "input_data", "inputs")
 STEP_NAMES = ("dt", "time_step", "timestep")
-TIME_NAMES = ("t", "time", "timestamp", "timestamps", "times", "seconds", "stamp", "sec", "time_s")
+_TIMES = ("t", "time", "timestamp", "timestamps", "times", "seconds", "stamp", "sec", "time_s")
+TIME_NAMES = (*_TIMES, "__time", "time_history", "t_history", "time_data", "t_data")
 ROBOT_NAMES = ("robot", "id", "robot_id", "agent", "agent_id", "i")
-STATE_NAMES = {
-    "x": ("x", "px", "posx", "pos_x", "x_m"),
-    "y": ("y", "py", "posy", "pos_y", "y_m"),
-    "theta": ("theta", "th", "yaw", "heading", "phi", "angle", "θ", "theta_rad", "psi"),
+STATE_NAMES: dict[str, tuple[str, ...]] = {
+    "x": ("x", "px", "posx", "pos_x", "xpos", "x_pos", "pose_x", "position_x", "x_m"),
+    "y": ("y", "py", "posy", "pos_y", "ypos", "y_pos", "pose_y", "position_y", "y_m"),
+    "theta": ("theta", "th", "yaw", "heading", "phi", "angle", "θ", "theta_rad", "psi", "ψ", "φ"),
 }
+STATE_NAMES["theta"] += ("orientation", "rotation", "pose_theta", "pose_yaw")
+#: Parts of a rotation, which stand for a heading where there is none.
+QUATERNION = ("qx", "qy", "qz", "qw")
 STATE_OF = {name: state for state, names in STATE_NAMES.items() for name in names}
 _STATE_FIRST = re.compile(
-    r"(?P<state>[a-zθ]+(?:_(?:m|rad))?)[\s_.\-]*[\[({]?(?P<robot>\d+)[\])}]?(?:_(?:m|rad))?"
+    r"(?P<state>[a-zθψφ]+?(?:_(?:pos|x|y|m|rad|theta|yaw))?)[\s_.\-]*(?:robot|agent)?[\s_.\-]*"
+    r"[\[({]?(?P<robot>\d+)[\])}]?(?:_(?:m|rad))?"
 )
 _ROBOT_FIRST = re.compile(
-    r"(?:robot|agent|r)?[\s_.\-]*(?P<robot>\d+)[\s_.\-:/]*(?P<state>[a-zθ_]+)"
+    r"(?:robot|agent|r)?[\s_.\-]*(?P<robot>\d+)[\s_.\-:/]*(?P<state>[a-zθψφ_]+)"
 )
 
 
-LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
+LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254, "inch": 0.0254, "ft": 0.3048}
 ANGLES = {"rad": 1.0, "deg": math.pi / 180, "degree": math.pi / 180, "degrees": math.pi / 180}
 ANGLES["°"] = ANGLES["deg"]
 SECONDS = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "msec": 1e-3, "milliseconds": 1e-3}
-SECONDS |= {"us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ns": 1e-9, "nsec": 1e-9, "nanoseconds": 1e-9}
+SECONDS |= {
+    "min": 60.0,
+    "minutes": 60.0,
+    "us": 1e-6,
+    "µs": 1e-6,
+    "μs": 1e-6,
+    "ns": 1e-9,
+    "nsec": 1e-9,
+    "nanoseconds": 1e-9,
+}
 _UNITS = "|".join(sorted({*LENGTHS, *ANGLES, *SECONDS}, key=len, reverse=True))
+_UNIT_WITHIN = re.compile(rf"(?P<name>.+?)[\s_]+(?P<unit>{_UNITS})[\s_]*(?P<robot>\d+)")
 _WITH_UNIT = re.compile(
     rf"(?P<name>.+?)(?:[\s_]*[\[(]\s*(?P<inside>{_UNITS})\s*[\])]|[\s_]+(?P<after>{_UNITS}))"
 )
@@ -63,9 +82,11 @@ def split_unit(word: str) -> tuple[str, str | None]:
 
     Examples
     --------
-    >>> split_unit("x1 [mm]"), split_unit("theta1_deg"), split_unit("y2")
+    >>> split_unit("x1 [mm]"), split_unit("theta_deg1"), split_unit("y2")
     (('x1', 'mm'), ('theta1', 'deg'), ('y2', None))
     """
+    if within := _UNIT_WITHIN.fullmatch(word):
+        return within["name"] + within["robot"], within["unit"]
     match = _WITH_UNIT.fullmatch(word)
     return (match["name"], match["inside"] or match["after"]) if match else (word, None)
 
@@ -81,7 +102,7 @@ def numbered(word: str) -> tuple[str, str] | None:
     Returns
     -------
     (str, str), optional
-        The state, one of `STATE_NAMES`, and the digits of the robot's number.
+        The state, one of `STATE_NAMES` or `QUATERNION`, and the digits of the robot's number.
 
     Examples
     --------
@@ -90,8 +111,9 @@ def numbered(word: str) -> tuple[str, str] | None:
     """
     for pattern in (_STATE_FIRST, _ROBOT_FIRST):
         match = pattern.fullmatch(word)
-        if match and match["state"].strip("_") in STATE_OF:
-            return STATE_OF[match["state"].strip("_")], match["robot"]
+        state = match["state"].strip("_") if match else ""
+        if match and (state in STATE_OF or state in QUATERNION):
+            return STATE_OF.get(state, state), match["robot"]
     return None
 
 

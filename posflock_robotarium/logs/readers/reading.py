@@ -137,7 +137,9 @@ def read_parts(paths: Sequence[str | os.PathLike[str]], options: ReadOptions | N
         raise ParameterError("no file to read")
     if len(files) == 1:
         return read(files[0], options)
-    return _as_asked(_parts(files, options), options)
+    run = _parts(files, options)
+    run = run if run.printed else with_printed(run, printed_beside(files[0]))
+    return _as_asked(run, options)
 
 
 def _parts(files: list[Path], options: ReadOptions) -> Run:

@@ -16,7 +16,7 @@ from posflock_robotarium.logs.readers.clocks import Track, joined
 from posflock_robotarium.logs.readers.forms import Form, Sign
 from posflock_robotarium.logs.readers.found import Found, ReadOptions
 from posflock_robotarium.logs.readers.mcap_logs import SIGNATURE
-from posflock_robotarium.logs.readers.quaternions import yaw
+from posflock_robotarium.logs.readers.quaternions import headings_of
 from posflock_robotarium.logs.run import LayoutError
 
 _WAYS = {
@@ -57,7 +57,10 @@ def _read(file: Path, options: ReadOptions) -> Found:
     tracks = []
     for topic in sorted(rows):
         t, x, y, *turned = np.array(rows[topic], dtype=float).T
-        tracks.append(Track(topic, t, np.stack([x, y, yaw(*turned)], axis=1)))
+        heading, told = headings_of(np.array(turned))
+        if told:
+            notes.append(f"{topic}: rotations{told}")
+        tracks.append(Track(topic, t, np.stack([x, y, heading], axis=1)))
     if not tracks:
         raise LogError(f"{file}: topics of {kind}, and no message in them")
     if len(tracks) == 1:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.logs.readers.forms import Form, Sign
 from posflock_robotarium.logs.readers.found import Found, ReadOptions
-from posflock_robotarium.logs.readers.quaternions import yaw
+from posflock_robotarium.logs.readers.quaternions import headings_of
 from posflock_robotarium.logs.readers.tables import read_table
 
 Floats = NDArray[np.float64]
@@ -27,13 +27,17 @@ _GOES_ON = 0.8
 
 def _is_ros_csv(file: Path, start: bytes) -> bool:
     head = start.splitlines()[0] if start else b""
-    return b"position.x" in head and b"orientation.x" in head and b"," in head
+    head = head.replace(b"/", b".")
+    turned = b"orientation.x" in head or b"orientation.yaw" in head
+    return b"position.x" in head and turned and b"," in head
 
 
 def _read(file: Path, options: ReadOptions) -> Found:
     table = read_table(file, options.bounds)
     with file.open(encoding="utf-8-sig", errors="replace") as stream:
-        names = [cell.strip().lstrip("%") for cell in next(csv.reader(stream))]
+        # PlotJuggler writes /odom/pose/pose/position/x, and __time in seconds.
+        head = [cell.strip().lstrip("%").replace("/", ".") for cell in next(csv.reader(stream))]
+    names = [name.removesuffix(".") for name in head]
     if len(names) != table.values.shape[1]:
         raise LogError(
             f"{file}: the header names {len(names)} columns, the rows have {table.values.shape[1]}"
@@ -46,9 +50,13 @@ def _read(file: Path, options: ReadOptions) -> Found:
         return table.values[:, index]
 
     t, clock = _time(names, table.values)
-    heading = yaw(*(column(f"orientation.{part}") for part in _QUATERNION))
+    if any(name.endswith("orientation.yaw") for name in names):
+        heading, told = column("orientation.yaw"), "; its yaw is there"
+    else:
+        parts = [column(f"orientation.{part}") for part in _QUATERNION]
+        heading, told = headings_of(np.stack(parts))
     poses = np.stack([column("position.x"), column("position.y"), heading], axis=1)
-    notes = ["ROS messages as CSV: one robot, heading from the quaternion", *table.notes]
+    notes = ["ROS messages as CSV: one robot, heading from its orientation" + told, *table.notes]
     if t is not None:
         notes.append(f"times from {clock}")
     return Found(t, poses[:, :, np.newaxis], tuple(notes), lengths_told=True, angles_told=True)
@@ -69,6 +77,8 @@ def _time(names: list[str], values: Floats) -> tuple[Floats | None, str]:
             clocks.append((values[:, index] + fraction, name))
     if "time" in places:
         clocks.append((values[:, places["time"]] * 1e-9, "time"))
+    if "__time" in places:
+        clocks.append((values[:, places["__time"]], "__time"))
     for t, name in clocks:
         if len(t) > 1 and np.mean(np.diff(t) > 0) >= _GOES_ON:
             return t, name

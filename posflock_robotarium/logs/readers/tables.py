@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import codecs
 import csv
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -22,6 +23,14 @@ from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.logs.readers import parameters
 from posflock_robotarium.logs.readers.bounds import BOUNDS, LONGEST_LINE, TEXT_TAKES, Bounds
 from posflock_robotarium.logs.readers.names import names_a_column
+from posflock_robotarium.logs.readers.no_logs import no_log
+from posflock_robotarium.logs.readers.spreadsheet_habits import (
+    declared_delimiter,
+    plain_line,
+    row_of_units,
+    with_units,
+    without_prose,
+)
 
 Floats = NDArray[np.float64]
 
@@ -99,11 +108,17 @@ def read_table(path: Path, bounds: Bounds = BOUNDS) -> Table:
         del lines[-1]
         if start == len(lines):
             raise LogError(f"{path}: cut off before its first row")
-    delimiter = _delimiter(_content(lines[start]))
-    # Between semicolons, and with no point in any row, a comma is a decimal one (Excel in Europe).
+    lines = [plain_line(line) for line in lines]
+    delimiter = declared_delimiter(lines[start])
+    if delimiter is not None:
+        start = next((i for i in range(start + 1, len(lines)) if _content(lines[i])), start)
+    start, above = without_prose(lines, start, _content, _split, _delimiter)
+    delimiter = delimiter or _delimiter(_content(lines[start]))
+    # Beside semicolons or tabs, and with no point in any row, a comma is a decimal one (Excel in
+    # Europe).
     rows = lines[start + 1 :] or lines[start:]
     decimal_comma = (
-        delimiter == ";"
+        delimiter in (";", "\t")
         and any("," in _content(line) for line in rows)
         and not any("." in _content(line) for line in rows)
     )
@@ -114,6 +129,9 @@ def read_table(path: Path, bounds: Bounds = BOUNDS) -> Table:
     if not any(_is_number(cell.strip().strip('"')) for cell in cells):
         names = tuple(cell.strip().strip("\"'").strip() for cell in cells)
         start += 1
+        if start < len(lines) and (units := row_of_units(_split(lines[start], delimiter))):
+            names = with_units(names, units)
+            start += 1
     elif (comment := _commented_header(lines, start, delimiter)) is not None:
         names = comment
     values, words, told = _cells(path, lines, start, delimiter)
@@ -123,7 +141,7 @@ def read_table(path: Path, bounds: Bounds = BOUNDS) -> Table:
         raise LogError(
             f"{path}: the header names {len(names)} columns, the rows have {values.shape[1]}"
         )
-    notes += told
+    notes += (*above, *told)
     torn = torn and not told
     return Table(path, values, names, delimiter, said, decimal_comma, promised, torn, words, notes)
 
@@ -135,6 +153,10 @@ def _text(path: Path, bounds: Bounds) -> tuple[str, tuple[str, ...]]:
     try:
         if raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
             return raw.decode("utf-16"), ("text in UTF-16",)
+        if (what := no_log(raw)) is not None:
+            raise LogError(f"{path}: {what}")
+        if raw[1:400:2].count(0) == len(raw[1:400:2]) and 0 not in raw[:400:2]:
+            return raw.decode("utf-16-le"), ("text in UTF-16, without its mark",)
         if b"\0" in raw[:4096]:
             raise LogError(f"{path}: a binary file, not text; expected .npy, .npz, .mat or CSV")
         return raw.decode("utf-8-sig"), ()
@@ -165,6 +187,8 @@ def _refuse_long_lines(path: Path, lines: list[str]) -> None:
 
 def _content(line: str) -> str:
     """Return the line without its comment; blank when nothing is left."""
+    if line.lstrip().startswith("//"):
+        return ""
     for mark in "#%":
         line = line.split(mark, 1)[0]
     return line.strip()
@@ -186,14 +210,21 @@ def _commented_header(lines: list[str], start: int, delimiter: str) -> tuple[str
         if stripped[:1] in ("#", "%"):
             cells = _split(stripped.lstrip("#% "), delimiter)
             words = [cell.strip().lower() for cell in cells]
-            if len(words) > 2 and all(map(names_a_column, words)):
+            named = len(words) > 2 and all(map(names_a_column, words))
+            # A comment that names t, x, y and theta says in words what the columns are.
+            if named and len(words) == len(_split(_content(lines[start]), delimiter)):
                 return tuple(cell.strip() for cell in cells)
             return None
     return None
 
 
 def _delimiter(line: str) -> str:
-    return next((mark for mark in (";", ",", "\t") if mark in line), " ")
+    if "\t" in line and "," in line and not _BESIDE_DIGITS.search(line):
+        return "\t"  # all commas are decimal ones
+    return next((mark for mark in (";", ",", "\t", "|") if mark in line), " ")
+
+
+_BESIDE_DIGITS = re.compile(r"[.]|(?<!\d),|,(?!\d)")
 
 
 def _split(line: str, delimiter: str) -> list[str]:
@@ -227,7 +258,7 @@ def _cells(
         values = np.loadtxt(
             body,
             delimiter=None if delimiter == " " else delimiter,
-            comments=["#", "%"],
+            comments=["#", "%", "//"],
             quotechar='"',
             ndmin=2,
             dtype=np.float64,

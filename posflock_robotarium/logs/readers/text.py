@@ -19,7 +19,7 @@ from posflock_robotarium.logs.readers.layouts import split_time, to_states
 from posflock_robotarium.logs.readers.tables import Table, read_table
 from posflock_robotarium.logs.run import LayoutError
 
-_SEPARATORS = {",": "comma", ";": "semicolon", "\t": "tab", " ": "blank"}
+_SEPARATORS = {",": "comma", ";": "semicolon", "\t": "tab", "|": "bar", " ": "blank"}
 
 
 def read_text(path: Path, options: ReadOptions) -> Found:

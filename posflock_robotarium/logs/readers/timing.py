@@ -70,9 +70,10 @@ def timed(found: Found, where: str, options: ReadOptions) -> Found:
     found = _in_seconds(found)
     t = np.asarray(found.t)
     if (step := _usual_step(t)) > LONGEST_STEP:
+        unit, name = ("microseconds", "time_us") if step > 1e3 else ("milliseconds", "time_ms")
         raise LayoutError(
             f"{where}: {step:g} s from one pose to the next, expected at most {LONGEST_STEP:g} s: "
-            "are the times in milliseconds? Write them in seconds, or name the column time_ms"
+            f"are the times in {unit}? Write them in seconds, or name the column {name}"
         )
     return found
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.logs.readers.forms import Form, Sign
 from posflock_robotarium.logs.readers.found import Found, ReadOptions
-from posflock_robotarium.logs.readers.quaternions import are_unit, yaw
+from posflock_robotarium.logs.readers.quaternions import are_unit, headings_of
 from posflock_robotarium.logs.readers.tables import read_table
 
 Floats = NDArray[np.float64]
@@ -23,9 +23,11 @@ Floats = NDArray[np.float64]
 
 def _is_tum(file: Path, start: bytes) -> bool:
     """Whether whole rows of eight numbers end in a quaternion."""
+    if _is_euroc(file, start):
+        return False
     lines = [line for line in start.splitlines()[:-1] if line and not line.startswith(b"#")]
     try:
-        rows = [[float(cell) for cell in line.split()] for line in lines]
+        rows = [[float(cell) for cell in line.replace(b",", b" ").split()] for line in lines]
     except ValueError:
         return False
     if not rows or any(len(row) != 8 for row in rows):
@@ -35,8 +37,7 @@ def _is_tum(file: Path, start: bytes) -> bool:
 
 def _read_tum(file: Path, options: ReadOptions) -> Found:
     values = _rows(file, options, 8)
-    x, y, z, w = values[:, 4:8].T
-    return _one_robot(values[:, 0], values, yaw(x, y, z, w), "TUM trajectory")
+    return _one_robot(values[:, 0], values, values[:, 4:8].T, "TUM trajectory")
 
 
 def _is_euroc(file: Path, start: bytes) -> bool:
@@ -46,10 +47,8 @@ def _is_euroc(file: Path, start: bytes) -> bool:
 
 def _read_euroc(file: Path, options: ReadOptions) -> Found:
     values = _rows(file, options, 8)
-    w, x, y, z = values[:, 4:8].T
-    return _one_robot(
-        values[:, 0] * 1e-9, values, yaw(x, y, z, w), "EuRoC ground truth, time in ns"
-    )
+    rotations = values[:, [5, 6, 7, 4]].T
+    return _one_robot(values[:, 0] * 1e-9, values, rotations, "EuRoC ground truth, time in ns")
 
 
 def _rows(file: Path, options: ReadOptions, least: int) -> Floats:
@@ -59,9 +58,10 @@ def _rows(file: Path, options: ReadOptions, least: int) -> Floats:
     return values
 
 
-def _one_robot(t: Floats, values: Floats, heading: Floats, what: str) -> Found:
+def _one_robot(t: Floats, values: Floats, rotations: Floats, what: str) -> Found:
     """Return one robot, seen from above, and what of it that leaves out."""
-    notes = [f"{what}: one robot, heading from the quaternion"]
+    heading, told = headings_of(rotations)
+    notes = [f"{what}: one robot, heading from the quaternion{told}"]
     if len(values) and (rise := float(np.ptp(values[:, 3]))) > 0.05:
         notes.append(f"its height changes by {rise:.3g} m: left out")
     poses = np.stack([values[:, 1], values[:, 2], heading], axis=1)[:, :, np.newaxis]

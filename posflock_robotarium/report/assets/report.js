@@ -152,6 +152,12 @@ const axis = [], source = [], real = data.real_time ? floats(data.real_time) : n
     if (real) realAxis.push(real[k]);
   }
 }
+/* Over real time a stall is a gap, too: nobody knows what was between its ends. */
+const stalls = [];
+if (real) {
+  const steps = Array.from(real.subarray(1), (time, k) => time - real[k]), usual = [...steps].sort((a, b) => a - b)[steps.length >> 1];
+  steps.forEach((step, k) => { if (step > Math.max(0.5, 3 * usual)) stalls.push(k + 1); });
+}
 /* Curves are drawn over the log's own times or over real time; all else keeps the log's own. */
 let drawn = axis;
 function between(from, to, value) {
@@ -209,9 +215,10 @@ function build(panel) {
   $("plots").append(figure);
 
   /* Where an angle jumps by a turn there is a null; a pixel that holds samples of both sides would join them all the same. */
-  const turns = (u, column, first, last, gaps) => {
+  const broken = (u, column, first, last, gaps) => {
     const all = [...gaps], half = 2 * devicePixelRatio;
-    for (let i = first; i <= last; i++) if (column[i] === null) { const x = u.valToPos(axis[i], "x", true); all.push([x - half, x + half]); }
+    if (column) for (let i = first; i <= last; i++) if (column[i] === null) { const x = u.valToPos(drawn[i], "x", true); all.push([x - half, x + half]); }
+    if (drawn !== axis) for (const k of stalls) all.push([u.valToPos(real[k - 1], "x", true), u.valToPos(real[k], "x", true)]);
     all.sort((a, b) => a[0] - b[0]);
     return all.reduce((joined, gap) => { const end = joined[joined.length - 1]; if (end && gap[0] <= end[1]) end[1] = Math.max(end[1], gap[1]); else joined.push([...gap]); return joined; }, []);
   };
@@ -240,8 +247,8 @@ function build(panel) {
     cursor: { y: false, points: { size: 6, show: (u, k) => k <= columns.length && (() => { const dot = document.createElement("div"); dot.className = "u-cursor-pt"; return dot; })() }, drag: { x: true, y: false, setScale: true, dist: 6 }, bind: { dblclick: (u, target, handler) => (event) => { zoom(null); return null; } } },
     series: [{}, ...panel.series.map((series, k) => ({
       label: series.label, stroke: () => colour[tones[series.look % 6]], width: 1.7, dash: dashes[style(series.look)], spanGaps: false, points: { show: false },
-      ...(series.unit === "rad" ? { gaps: (u, k, first, last, gaps) => turns(u, u.data[k], first, last, gaps) } : {}),
-    })), ...ends.map(() => ({ width: 0, spanGaps: false, points: { show: false } }))],
+      gaps: (u, k, first, last, gaps) => broken(u, series.unit === "rad" ? u.data[k] : null, first, last, gaps),
+    })), ...ends.map(() => ({ width: 0, spanGaps: false, points: { show: false }, gaps: (u, k, first, last, gaps) => broken(u, null, first, last, gaps) }))],
     bands: banded.map((k) => ({ series: [upper(k), upper(k) + 1], fill: () => faint(colour[tones[panel.series[k].look % 6]]) })),
     hooks: {
       setCursor: [(u) => { if (!quiet && !state.playing && u.cursor.left >= 0) seek(timeAt(u.posToVal(u.cursor.left, "x")), { from: u }); }],
