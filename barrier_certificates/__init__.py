@@ -13,7 +13,7 @@ From the outside in:
 
 - `single_integrator`, `unicycle`: the certificates, to be called once a step; `certificate`: what
   both are given and remember; `differential_drive`: what the motors of a unicycle can do;
-- `late`: the certificate for robots that answer late;
+- `late`: the certificate for robots that answer late; `batch`: a certificate for many teams;
 - `projection`: the nearest velocity that satisfies the rows, and what is done where there is none;
 - `solvers`: who solves a small program, one module a solver;
 - `rows`: what must hold: pairs, walls, obstacles, limits, and how a team's rows lie in arrays;

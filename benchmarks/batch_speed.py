@@ -28,13 +28,13 @@ from comparing import Table, Times, cpu
 if hasattr(os, "sched_setaffinity") and "--two" not in sys.argv:
     os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
 
-import numpy as np  # noqa: E402
-from batch_teams import AHEAD, GAIN, KINDS, RADIUS, SPEED, TIME_STEP, steps_of, teams  # noqa: E402
+import numpy as np
+from batch_teams import AHEAD, GAIN, KINDS, RADIUS, SPEED, TIME_STEP, steps_of, teams
 
-from barrier_certificates.batch import BatchCertificate  # noqa: E402
-from barrier_certificates.unicycle import UnicycleCertificate  # noqa: E402
-from rps_compat.arena import Arena  # noqa: E402
-from rps_compat.batch import BatchArena, Hold, Outcome, ToGoals, rollout  # noqa: E402
+from barrier_certificates.batch import BatchCertificate
+from barrier_certificates.unicycle import UnicycleCertificate
+from rps_compat.arena import Arena
+from rps_compat.batch import BatchArena, Outcome, ToGoals, rollout
 
 CERTIFICATE = UnicycleCertificate(
     safety_radius=RADIUS, barrier_gain=2000.0, wall_gain=100.0, wall_margin=0.11,
@@ -123,9 +123,7 @@ class Rival:
         return seconds
 
 
-def cell(
-    table: Table, rival: Rival | None, kind: str, mode: str, number: int, rounds: int
-) -> None:
+def cell(table: Table, rival: Rival | None, kind: str, mode: str, number: int, rounds: int) -> None:
     """Time one cell of the table, and judge it."""
     batch = Batch(kind, number)
     steps = steps_of(kind, number) if mode == "rollout" else _SINGLE_STEPS

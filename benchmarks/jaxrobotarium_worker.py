@@ -16,12 +16,12 @@ os.environ.setdefault("JAX_PLATFORMS", "cpu")
 os.environ["XLA_FLAGS"] = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
 sys.path.insert(0, sys.argv[1])
 
-import jax  # noqa: E402
-import jax.numpy as jnp  # noqa: E402
-import numpy as np  # noqa: E402
-from batch_teams import AHEAD, GAIN, RADIUS, ROBOTS, SPEED, teams  # noqa: E402
-from rps_jax.robotarium import Robotarium  # noqa: E402
-from rps_jax.utilities.barrier_certificates2 import create_robust_barriers  # noqa: E402
+import jax
+import jax.numpy as jnp
+import numpy as np
+from batch_teams import AHEAD, GAIN, RADIUS, ROBOTS, SPEED, teams
+from rps_jax.robotarium import Robotarium
+from rps_jax.utilities.barrier_certificates2 import create_robust_barriers
 
 _SIMULATOR = Robotarium(ROBOTS, False, False, jnp.zeros((3, ROBOTS)))
 _BARRIER = create_robust_barriers(safety_radius=RADIUS)

@@ -37,6 +37,8 @@ class Space(NamedTuple):
         Their multipliers, and two right-hand sides.
     factor : (S + 1, S + 1) array
         Cholesky factor of the products of the binding rows.
+    largest : (1,) array
+        The largest excess at the point, m/s.
     """
 
     target: FloatArray
@@ -52,6 +54,7 @@ class Space(NamedTuple):
     right: FloatArray
     side: FloatArray
     factor: FloatArray
+    largest: FloatArray
 
 
 @compiled
@@ -80,6 +83,7 @@ def space_for(number: int, total: int) -> Space:
         np.zeros(most),
         np.zeros(most),
         np.zeros((most, most)),
+        np.zeros(1),
     )
 
 
@@ -101,7 +105,7 @@ def copy(source: FloatArray, target: FloatArray) -> None:
 def product(
     first: IntArray, second: IntArray, ax: FloatArray, ay: FloatArray, one: int, other: int
 ) -> float:
-    """Return the product of two rows.
+    """Return the product of two different rows.
 
     Parameters
     ----------
@@ -110,20 +114,11 @@ def product(
     one, other : int
         Which two.
     """
+    # Numbers of nobody are told apart, so no branch is needed, which a processor could not foresee.
     i, j, p, q = first[one], second[one], first[other], second[other]
-    times = 0
-    if i == p:
-        times += 1
-    if j >= 0:
-        if j == p:
-            times -= 1
-        if j == q:
-            times += 1
-    if q >= 0 and i == q:
-        times -= 1
-    if times == 0:
-        return 0.0
-    return times * (ax[one] * ax[other] + ay[one] * ay[other])
+    times = int(i == p) + int(j == q) - int(i == q) - int(j == p)
+    whole: float = ax[one] * ax[other] + ay[one] * ay[other]
+    return times * whole
 
 
 @compiled
@@ -152,7 +147,7 @@ def subtract(
     x, y, i, j = times * ax[row], times * ay[row], first[row], second[row]
     velocity[0, i] -= x
     velocity[1, i] -= y
-    if j >= 0:
+    if j < velocity.shape[1]:
         velocity[0, j] += x
         velocity[1, j] += y
 
@@ -183,7 +178,7 @@ def append(
     factor : (S + 1, S + 1) array
         Their factor, which grows by a line.
     """
-    square = left = product(first, second, ax, ay, row, row)
+    left = 1.0  # all rows are of unit length
     for a in range(count):
         value = product(first, second, ax, ay, row, binding[a])
         for b in range(a):
@@ -191,7 +186,7 @@ def append(
         value *= factor[a, a]  # the diagonal holds inverses
         factor[count, a] = value
         left -= value * value
-    if not left > DEPENDENT * square:
+    if not left > DEPENDENT:
         return False
     factor[count, count] = 1.0 / math.sqrt(left)
     binding[count] = row

@@ -191,6 +191,11 @@ class BatchCertificate:
             self._prediction.sent(_together(commands))
 
     @property
+    def answers_late(self) -> bool:
+        """Whether robots are late, so that commands are remembered from step to step."""
+        return self._late is not None
+
+    @property
     def distance(self) -> float:
         """How far ahead of the axle the projection points lie, m; 0 for robots without headings."""
         return self._drive.distance
@@ -291,7 +296,9 @@ class BatchCertificate:
             status[team], numbers[:, team] = numbers_of(info)
         unsafe = self._fresh & (numbers[2] < 0.0)
         self._fresh &= np.isnan(numbers[2])
-        return velocity, BatchInfo(status, *numbers, unsafe, len(left))
+        return velocity, BatchInfo(
+            status, numbers[0], numbers[1], numbers[2], numbers[3], unsafe, len(left)
+        )
 
     def _placed(self, obstacles: Sequence[Obstacle] | None) -> Recipe:
         """Return what rows are made from, with obstacles where they are now."""

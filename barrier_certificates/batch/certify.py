@@ -55,7 +55,7 @@ class Answers(NamedTuple):
         Violation and intervention, m/s; clearance, m; smallest h.
     binding : (B, 2N + 1) integer array
         Rows that bind, in any order.
-    count : (B,) integer array
+    bound : (B,) integer array
         How many do.
     """
 
@@ -63,7 +63,7 @@ class Answers(NamedTuple):
     status: IntArray
     numbers: FloatArray
     binding: IntArray
-    count: IntArray
+    bound: IntArray
 
 
 @entered
@@ -149,8 +149,8 @@ def certify_team(
     answers : Answers
         Where the answer is written.
     """
-    status, count = UNANSWERED, answers.count[team]
-    answers.count[team] = 0
+    status, count = UNANSWERED, answers.bound[team]
+    answers.bound[team] = 0
     if _is_plain(desired) and _is_plain(states):
         _place(drive, states, desired, space)
         alone = write_rows(recipe, rows, space.position, space.heading, space.least, barrier)
@@ -203,28 +203,46 @@ def _place(drive: Drive, states: FloatArray, desired: FloatArray, space: Space) 
             position[0, k] += distance * cosine[k]
             position[1, k] += distance * sine[k]
         if drive.commands:
-            _to_points(drive, target, cosine, sine)
+            _to_points(drive, target, cosine, sine, space.step)
 
 
 @compiled
-def _to_points(drive: Drive, target: FloatArray, cosine: FloatArray, sine: FloatArray) -> None:
+def _to_points(
+    drive: Drive, target: FloatArray, cosine: FloatArray, sine: FloatArray, turned: FloatArray
+) -> None:
     """Make velocities of projection points of unicycle commands, in place."""
-    distance, step = drive.distance, drive.time_step
-    for k in range(target.shape[1]):
-        ahead, aside = target[0, k], distance * target[1, k]
-        if step > 0.0:
+    distance, step, number = drive.distance, drive.time_step, target.shape[1]
+    if step > 0.0:
+        for k in range(number):
             # Beyond a quarter turn a step cannot be told from a shorter one.
-            angle = min(max(step * target[1, k], -0.5 * math.pi), 0.5 * math.pi)
-            ahead -= distance * (1.0 - math.cos(angle)) / step
-            aside = distance * math.sin(angle) / step
+            target[1, k] = min(max(step * target[1, k], -0.5 * math.pi), 0.5 * math.pi)
+        cosines_and_sines(target[1], turned[0], turned[1])
+        for k in range(number):
+            target[0, k] -= distance * (1.0 - turned[0, k]) / step
+            target[1, k] = distance * turned[1, k] / step
+    else:
+        for k in range(number):
+            target[1, k] *= distance
+    for k in range(number):
+        ahead, aside = target[0, k], target[1, k]
         target[0, k] = ahead * cosine[k] - aside * sine[k]
         target[1, k] = ahead * sine[k] + aside * cosine[k]
 
 
 @compiled
+def _arcsine(sine: float) -> float:
+    """Return the angle of a sine, rad; of small ones by the series, without a call."""
+    if abs(sine) > 0.05:
+        return math.asin(sine)
+    z = sine * sine
+    tail = 35.0 / 1152.0 + z * (63.0 / 2816.0 + z * (231.0 / 13312.0))
+    return sine + sine * z * (1.0 / 6.0 + z * (3.0 / 40.0 + z * (5.0 / 112.0 + z * tail)))
+
+
+@compiled
 def _answer(drive: Drive, space: Space, count: int, team: int, answers: Answers) -> None:
     """Write the answer, what it cost, and which rows bind."""
-    change, most, point, target, gap = 0.0, 0.0, space.point, space.target, space.gap
+    change, point, target = 0.0, space.point, space.target
     heading, velocity = space.heading, answers.velocity
     for k in range(target.shape[1]):
         x, y = point[0, k], point[1, k]
@@ -234,14 +252,14 @@ def _answer(drive: Drive, space: Space, count: int, team: int, answers: Answers)
             cosine, sine = heading[0, k], heading[1, k]
             forward, turn = x * cosine + y * sine, (y * cosine - x * sine) / drive.distance
             if drive.time_step > 0.0:
-                angle = math.asin(min(max(drive.time_step * turn, -1.0), 1.0))
-                forward += drive.distance * (1.0 - math.cos(angle)) / drive.time_step
-                turn = angle / drive.time_step
+                part = min(max(drive.time_step * turn, -1.0), 1.0)
+                behind = part * part / (1.0 + math.sqrt(1.0 - part * part))  # 1 − cosine
+                forward += drive.distance * behind / drive.time_step
+                turn = _arcsine(part) / drive.time_step
             x, y = forward, turn
         velocity[team, 0, k], velocity[team, 1, k] = x, y
-    for row in range(gap.shape[0]):
-        most = gap[row] if gap[row] > most else most
-    answers.numbers[0, team], answers.numbers[1, team] = most, math.sqrt(change)
-    answers.count[team] = count
+    numbers, binding, found = answers.numbers, answers.binding, space.binding
+    numbers[0, team], numbers[1, team] = max(space.largest[0], 0.0), math.sqrt(change)
+    answers.bound[team] = count
     for a in range(count):
-        answers.binding[team, a] = space.binding[a]
+        binding[team, a] = found[a]

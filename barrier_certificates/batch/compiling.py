@@ -16,7 +16,9 @@ import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
+from importlib import import_module
 from importlib.util import find_spec
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal, TypeVar, cast, get_args
 
@@ -35,6 +37,11 @@ _PARTS: dict[int, Callable[..., Any]] = {}
 def numba_is_installed() -> bool:
     """Whether kernels are compiled here."""
     return find_spec("numba") is not None
+
+
+def _numba() -> Any:
+    """Return numba, of whose types nothing is known where it is not installed."""
+    return import_module("numba")
 
 
 def is_compiled(engine: str) -> bool:
@@ -72,8 +79,7 @@ def entered(function: Function) -> Function:
     """
     if not numba_is_installed():
         return function
-    import numba
-
+    numba = _numba()
     folder, before = _folder(_digest(function)), numba.config.CACHE_DIR
     try:
         numba.config.CACHE_DIR = folder or before
@@ -85,7 +91,9 @@ def entered(function: Function) -> Function:
 
 
 def compiled(function: Function) -> Function:
-    """Compile a kernel that only kernels call, where numba is installed, as a part of these.
+    """Compile a kernel that only kernels call, where numba is installed, into each of these.
+
+    A call would hand over an array as seven numbers, which takes longer than many a loop.
 
     Parameters
     ----------
@@ -94,9 +102,8 @@ def compiled(function: Function) -> Function:
     """
     if not numba_is_installed():
         return function
-    import numba
-
-    options = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    numba = _numba()
+    options = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "forceinline": True}
     kernel = numba.njit(nogil=True, error_model="numpy", **options)(function)
     _PARTS[id(kernel)] = function
     return cast(Function, kernel)
@@ -124,8 +131,7 @@ def over_teams(
         return
     edges = [teams * part // parts for part in range(parts + 1)]
     waiting = [
-        _pool().submit(kernel, first, last, *arguments)
-        for first, last in zip(edges[1:], edges[2:], strict=False)
+        _pool().submit(kernel, first, last, *arguments) for first, last in pairwise(edges[1:])
     ]
     kernel(0, edges[1], *arguments)
     for other in waiting:
@@ -151,7 +157,7 @@ def _processors() -> int:
 
 def _digest(function: Callable[..., Any]) -> str:
     """Return a digest of the files of a kernel and of all that it calls, and of their constants."""
-    files, constants, seen, waiting = set(), set(), set(), [function]
+    files, constants, seen, waiting = {__file__}, set(), set(), [function]
     while waiting:
         part = waiting.pop()
         seen.add(part)
@@ -177,8 +183,7 @@ def _digest_of(file: str) -> bytes:
 @cache
 def _folder(digest: str) -> str:
     """Return where compiled code is kept; empty where numba knows better."""
-    import numba
-
+    numba = _numba()
     cached = Path(__file__).parent / "__pycache__"
     place = Path(numba.config.CACHE_DIR) if numba.config.CACHE_DIR else cached
     try:

@@ -14,10 +14,6 @@ import numpy as np
 
 from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.rows import LimitRows, ObstacleRows, PairRows, WallRows
-from barrier_certificates.rows.row_family import WORLD
-
-NOBODY = WORLD
-"""Stands in for a robot where a row has no second one."""
 
 
 class Recipe(NamedTuple):
@@ -40,6 +36,8 @@ class Recipe(NamedTuple):
         Factors of h³ for walls, obstacles and pairs: while they are clear, and once they are not.
     disturbances : (2, 2) array
         What wheels may do along and across a heading, m/s: as walls count it, and all else.
+    disturbed : bool
+        Whether wheels may do anything.
     cautious : bool
         Whether teams with something too close are left to a single certificate.
     """
@@ -51,6 +49,7 @@ class Recipe(NamedTuple):
     pairs: FloatArray
     gains: FloatArray
     disturbances: FloatArray
+    disturbed: bool
     cautious: bool
 
 
@@ -60,7 +59,8 @@ class TeamRows(NamedTuple):
     Attributes
     ----------
     first, second : (m,) integer array
-        The robots of each row; the second is `NOBODY` where there is only one.
+        The robots of each row; where there is no second one, N or a larger number, for each row
+        another.
     ax, ay : (m,) array
         Coefficients of the first robot's velocity; the second's are the opposite.
     bound : (m,) array
@@ -93,6 +93,7 @@ def recipe_of(
     kinds = (walls, obstacles, pairs)
     gains = [(0.0, 0.0) if kind is None else (kind.gain, kind.unsafe_gain) for kind in kinds]
     factors = np.array([[0.4], [0.5], [0.5]])
+    disturbances = np.array([_sizes(walls), _sizes(obstacles)])
     return Recipe(
         np.zeros((3, 0)) if limits is None else np.vstack([limits.normals, limits.bounds]),
         limits is not None and limits.turning,
@@ -100,7 +101,8 @@ def recipe_of(
         obstacles.table(),
         np.zeros(0) if pairs is None else np.array([pairs.radius, pairs.radius**2]),
         factors * np.array(gains),
-        np.array([_sizes(walls), _sizes(obstacles)]),
+        disturbances,
+        bool(disturbances.any()),
         cautious,
     )
 
@@ -121,7 +123,7 @@ def rows_of(recipe: Recipe, number: int) -> TeamRows:
     total = with_world.shape[0] + first.shape[0]
     return TeamRows(
         np.concatenate([with_world, first]).astype(np.intp),
-        np.concatenate([np.full(with_world.shape, NOBODY), second]).astype(np.intp),
+        np.concatenate([number + np.arange(with_world.shape[0]), second]).astype(np.intp),
         np.zeros(total),
         np.zeros(total),
         np.zeros(total),

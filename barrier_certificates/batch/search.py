@@ -66,6 +66,7 @@ def guess(rows: TeamRows, space: Space, warm: int, worst: float) -> int:
         project_on(rows, space, count)
         most = write_excess(rows, space.point, space.least, gap)
         if _proves(space, count, most, worst):
+            space.largest[0] = most
             return count
         kept = 0
         for a in range(count):
@@ -140,6 +141,7 @@ def climb(rows: TeamRows, space: Space, worst: float) -> int:
             for a in range(count):  # a row that binds but does not push may seem to pull
                 if -_CLOSER < space.multiplier[a] < 0.0:
                     space.multiplier[a] = 0.0
+            space.largest[0] = most
             return count if _proves(space, count, most, worst) else NOT_FOUND
         count = _take_up(rows, space, row, count, multiplier)
         if count == NOT_FOUND:

@@ -53,7 +53,7 @@ def write_rows(
     start = _write_limits(recipe, rows, heading)
     alone = start
     start = _write_walls(recipe, rows, position, start, least, barrier)
-    if start - alone and _any(recipe.disturbances[0]):
+    if recipe.disturbed:
         _allow_for_wheels(rows, heading, recipe.disturbances[0], alone, start)
     alone = start
     if recipe.obstacles.shape[1]:
@@ -64,14 +64,9 @@ def write_rows(
         start = _write_pairs(recipe, rows, position, start, least, barrier)
         if start < 0:
             return True
-    if start - alone and _any(recipe.disturbances[1]):
+    if recipe.disturbed:
         _allow_for_wheels(rows, heading, recipe.disturbances[1], alone, start)
     return recipe.cautious and barrier[1] <= 0.0
-
-
-@compiled
-def _any(sizes: FloatArray) -> bool:
-    return sizes[0] > 0.0 or sizes[1] > 0.0
 
 
 @compiled
@@ -202,7 +197,7 @@ def _allow_for_wheels(
     for row in range(start, stop):
         x, y = ax[row], ay[row]
         for robot in (first[row], second[row]):
-            if robot >= 0:
+            if robot < heading.shape[1]:
                 along = abs(x * cosine[robot] + y * sine[robot]) * sizes[0]
                 across = abs(y * cosine[robot] - x * sine[robot]) * sizes[1]
                 bound[row] -= max(along, across)
@@ -217,7 +212,7 @@ def write_excess(
     Parameters
     ----------
     rows : TeamRows
-        The rows.
+        What has to hold.
     velocity : (2, N) array
         Velocities, m/s.
     most : (N,) array
@@ -235,7 +230,7 @@ def write_excess(
     vx, vy = velocity[0], velocity[1]
     for k in range(number):
         most[k] = -math.inf
-    while row < total and second[row] < 0:
+    while row < total and second[row] >= number:
         for k in range(number):
             over = ax[row + k] * vx[k] + ay[row + k] * vy[k] - bound[row + k]
             excess[row + k] = over

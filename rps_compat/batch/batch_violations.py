@@ -69,7 +69,7 @@ class BatchViolations:
         Parameters
         ----------
         tally : Tally
-            The counters.
+            Arrays that steps count in.
         """
         return cls(*tally.steps, *tally.by_robot, *tally.extremes)
 

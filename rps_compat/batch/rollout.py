@@ -42,7 +42,20 @@ class Hold:
         return Wish(np.ascontiguousarray(self.commands, dtype=float), 0.0, 0.0)
 
     def __call__(self, poses: Array, distance: float) -> Array:
-        """Return what robots would do, (B, 2, N)."""
+        """Return what robots would do.
+
+        Parameters
+        ----------
+        poses : (B, 3, N) array
+            Poses, m and rad.
+        distance : float
+            How far ahead of the axle projection points lie, m.
+
+        Returns
+        -------
+        (B, 2, N) array
+            Forward speeds, m/s, and turn rates, rad/s.
+        """
         return self.commands
 
 
@@ -66,10 +79,24 @@ class ToGoals:
 
     def wish(self) -> Wish:
         """Return this for compiled code."""
-        return Wish(np.ascontiguousarray(self.goals, dtype=float), float(self.gain), float(self.speed))
+        goals = np.ascontiguousarray(self.goals, dtype=float)
+        return Wish(goals, float(self.gain), float(self.speed))
 
     def __call__(self, poses: Array, distance: float) -> Array:
-        """Return what robots would do, (B, 2, N)."""
+        """Return what robots would do.
+
+        Parameters
+        ----------
+        poses : (B, 3, N) array
+            Poses, m and rad.
+        distance : float
+            How far ahead of the axle projection points lie, m.
+
+        Returns
+        -------
+        (B, 2, N) array
+            Forward speeds, m/s, and turn rates, rad/s.
+        """
         stacked = poses.swapaxes(0, 1)
         velocity = self.gain * (self.goals.swapaxes(0, 1) - projection_point(stacked, distance))
         length = np.sqrt((velocity * velocity).sum(axis=0))
@@ -132,7 +159,7 @@ def rollout(
     )
     progress.extremes[CLEARANCE] = np.inf
     alike = arena.compiled and certificate.compiled and arena.realism is None
-    roll = _roll_compiled if alike and not certificate.certificate.answers_late else _roll
+    roll = _roll_compiled if alike and not certificate.answers_late else _roll
     handed_over = roll(arena, certificate, wish, steps, progress)
     extremes = progress.extremes
     return Outcome(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from barrier_certificates.ties import TIE, beyond
 from barrier_certificates.wall_distance import wall_distances
@@ -59,7 +60,8 @@ def _count_outside(robot: RobotModel, poses: Array, tally: Tally) -> None:
     x, y = poses[:, 0], poses[:, 1]
     x_min, x_max, y_min, y_max = robot.boundaries
     beyond_x = (x < x_min - TIE) | (x > x_max + TIE)
-    outside = (beyond_x | (y < y_min - TIE) | (y > y_max + TIE)).any(axis=1)
+    beyond_y = (y < y_min - TIE) | (y > y_max + TIE)
+    outside: NDArray[np.bool_] = np.any(beyond_x | beyond_y, axis=1)
     if outside.any():
         tally.steps[OUTSIDE] += outside
         out = beyond(-wall_distances(poses, robot.boundaries), 0.0)

@@ -315,8 +315,10 @@ def cut(
         See `constants_of`.
     left, right : (N,) array
         Speeds of the wheels, cut in place, rad/s.
-    counts, extremes : arrays of a `Tally`
-        What is counted.
+    counts : (5, B) integer array
+        Steps, see `Tally`.
+    extremes : (2, B) array
+        See `Tally`.
     team : int
         Which team.
     """
@@ -343,8 +345,10 @@ def count_outside(
         See `constants_of`.
     x, y : (N,) array
         Positions, m.
-    counts, by_robot : arrays of a `Tally`
-        What is counted.
+    counts : (5, B) integer array
+        Steps, see `Tally`.
+    by_robot : (2, B, N) integer array
+        See `Tally`.
     team : int
         Which team.
     """
@@ -368,8 +372,10 @@ def count_close(
         See `constants_of`.
     body_x, body_y : (2 N,) array
         Collision points, m.
-    counts, by_robot : arrays of a `Tally`
-        What is counted.
+    counts : (5, B) integer array
+        Steps, see `Tally`.
+    by_robot : (2, B, N) integer array
+        See `Tally`.
     team : int
         Which team.
     """

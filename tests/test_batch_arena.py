@@ -1,0 +1,115 @@
+"""A batch arena does what as many single arenas do."""
+
+import numpy as np
+import pytest
+
+from barrier_certificates.batch import BatchCertificate, numba_is_installed
+from barrier_certificates.unicycle import UnicycleCertificate
+from rps_compat.arena import Arena
+from rps_compat.batch import BatchArena, Hold, ToGoals, rollout
+from rps_compat.errors import CommandError, InitialConditionsError
+from rps_compat.profiles import NAMES, load_profile
+
+ENGINES = ("numba", "numpy") if numba_is_installed() else ("numpy",)
+COUNTERS = (
+    "saturated_steps", "actuator_steps", "outside_steps", "outside_by_robot", "close_pairs",
+    "close_by_robot", "close_steps",
+)  # fmt: skip
+TEAMS, ROBOTS, STEPS = 4, 5, 90
+
+
+def starts() -> np.ndarray:
+    """Return poses of which some are outside, some too close, some beyond half a turn."""
+    rng = np.random.default_rng(3)
+    poses = rng.uniform(-1.0, 1.0, (TEAMS, 3, ROBOTS)) * np.array([1.65, 1.05, 4.0])[:, None]
+    poses[1, :2] *= 0.1
+    return poses
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("name", NAMES)
+def test_teams_move_and_fail_as_they_would_alone(name: str, engine: str) -> None:
+    profile, rng = load_profile(name), np.random.default_rng(5)
+    batch = BatchArena(starts(), realism=profile, seeds=range(TEAMS), engine=engine)
+    alone = [
+        Arena(poses, realism=profile.start(), rng=np.random.default_rng(team))
+        for team, poses in enumerate(starts())
+    ]
+    for step in range(STEPS):
+        if step % 40 < 15:  # then silence, until robots brake
+            batch.commands = rng.uniform(-1.0, 1.0, (TEAMS, 2, ROBOTS)) * [[0.22], [4.0]]
+            for team, arena in enumerate(alone):
+                arena.commands = batch.commands[team].copy()
+        if step % 3:  # who is not looked at draws nothing
+            seen = batch.observe()
+            for team, arena in enumerate(alone):
+                np.testing.assert_allclose(seen[team], arena.observe(), rtol=0, atol=1e-12)
+        batch.step()
+        for team, arena in enumerate(alone):
+            arena.step()
+            np.testing.assert_allclose(batch.poses[team], arena.poses, rtol=0, atol=1e-12)
+            np.testing.assert_allclose(batch.velocities[team], arena.velocities, atol=1e-12)
+    for team, arena in enumerate(alone):
+        counted = batch.violations.team(team)
+        for counter in COUNTERS:
+            assert getattr(counted, counter) == getattr(arena.violations, counter)
+        fastest = arena.violations.largest_wheel_velocity
+        assert counted.largest_wheel_velocity == pytest.approx(fastest)
+    assert not batch.violations.clean[1]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not numba_is_installed(), reason="needs numba")
+def test_a_compiled_rollout_is_the_steps_one_by_one() -> None:
+    certificate = UnicycleCertificate(
+        0.2, 2000.0, boundary=(-1.6, 1.6, -1.0, 1.0), speed_limit=0.15, time_step=0.033
+    )
+    rng = np.random.default_rng(1)
+    grid = np.array(np.meshgrid([-1.0, 0.0, 1.0], [-1.0, 0.0, 1.0])).reshape(2, -1)
+    heading = rng.uniform(-3.0, 3.0, (3, 1, 9))
+    ahead = np.concatenate([np.cos(heading), np.sin(heading)], axis=1)
+    poses = np.concatenate([0.23 * grid - 0.05 * ahead, heading], axis=1)
+    poses[0, :2, 0] = poses[0, :2, 1]  # overlapping: a single certificate answers
+    for wish in (ToGoals(np.zeros((3, 2, 9))), Hold(rng.uniform(-0.1, 0.1, (3, 2, 9)))):
+        arenas = [BatchArena(poses, engine="numba"), BatchArena(poses, engine="numpy")]
+        one, other = (
+            rollout(arena, BatchCertificate(certificate, engine=engine), wish, 25)
+            for arena, engine in zip(arenas, ("numba", "numpy"), strict=True)
+        )
+        np.testing.assert_allclose(arenas[0].poses, arenas[1].poses, rtol=0, atol=1e-9)
+        np.testing.assert_array_equal(one.statuses, other.statuses)
+        for name in ("violation", "intervention", "clearance"):
+            np.testing.assert_allclose(getattr(one, name), getattr(other, name), atol=1e-9)
+        apart = [arena.violations.smallest_distance for arena in arenas]
+        np.testing.assert_allclose(*apart, atol=1e-9)
+        assert 0 < one.handed_over < 75
+        assert arenas[0].steps == arenas[1].steps == 25
+
+
+def test_parts_side_by_side_are_the_whole() -> None:
+    poses = np.tile(starts(), (32, 1, 1))
+    commands = np.random.default_rng(0).uniform(-0.2, 0.2, (len(poses), 2, ROBOTS))
+    arenas = [BatchArena(poses, threads=threads) for threads in (1, 3)]
+    for arena in arenas:
+        arena.commands = commands
+        arena.run(40)
+    np.testing.assert_array_equal(arenas[0].poses, arenas[1].poses)
+    np.testing.assert_array_equal(
+        arenas[0].violations.close_by_robot, arenas[1].violations.close_by_robot
+    )
+
+
+def test_what_makes_no_sense_is_refused() -> None:
+    with pytest.raises(InitialConditionsError, match=r"expected \(B, 3, N\)"):
+        BatchArena(np.zeros((3, 9)))
+    with pytest.raises(CommandError, match="seeds: got none; expected 4"):
+        BatchArena(starts(), realism=load_profile("gritsbot_x"))
+    arena = BatchArena(starts())
+    arena.commands = np.zeros((2, ROBOTS))
+    with pytest.raises(CommandError, match=r"need \(4, 2, 5\)"):
+        arena.step()
+    arena.commands = np.full((TEAMS, 2, ROBOTS), 0.1)
+    arena.commands[2, 1, 3] = np.nan
+    with pytest.raises(CommandError, match="team 2: the turn rate of robot 3 is nan"):
+        arena.step()
+    np.testing.assert_array_equal(arena.poses, starts())
