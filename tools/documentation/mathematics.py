@@ -33,7 +33,7 @@ def _display(writer: HTML5Translator, node: nodes.math_block) -> None:
 
 
 def _formula(node: nodes.math | nodes.math_block) -> str:
-    formula = tex2mathml(node.astext().replace("‖", r"\|"))
+    formula: str = tex2mathml(node.astext().replace("‖", r"\|"))
     # Braces would stretch to the height of the line, and beyond.
     for brace in "{}":
         formula = formula.replace(f"<mo>{brace}</mo>", f'<mo stretchy="false">{brace}</mo>')

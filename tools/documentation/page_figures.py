@@ -17,7 +17,7 @@ from pathlib import Path
 from posflock_robotarium.figures.style import in_style
 
 BLOCK = re.compile(r"^```python\n(.*?)^```\n", re.M | re.S)
-SAVED = re.compile(r"^\w+\.savefig\(\"([\w-]+\.svg)\"\)(?:  # (.+))?$", re.M)
+SAVED = re.compile(r"^\w+\.savefig\(\"([\w-]+\.svg)\"\)  # (.+)$", re.M)
 
 
 def with_figures(text: str, place: Path) -> str:
@@ -35,7 +35,7 @@ def with_figures(text: str, place: Path) -> str:
     ValueError
         A block that draws says nothing of its picture for those who do not see it.
     """
-    if not SAVED.search(text):
+    if "savefig(" not in text:
         return text
     namespace: dict[str, object] = {"__name__": "__page__"}
     with tempfile.TemporaryDirectory() as folder, _within(folder):
@@ -43,11 +43,14 @@ def with_figures(text: str, place: Path) -> str:
         def run(block: re.Match[str]) -> str:
             with contextlib.redirect_stdout(io.StringIO()):
                 exec(compile(block[1], f"{place.name}, an example", "exec"), namespace)
+            if "savefig(" not in block[1]:
+                return block[0]
             saved = SAVED.search(block[1])
             if saved is None:
-                return block[0]
-            if not saved[2]:
-                raise ValueError(f"{place.name}: {saved[0]}  # expected: what the picture shows")
+                raise ValueError(
+                    f'{place.name}: expected, on one line, figure.savefig("name.svg")'
+                    f"  # what the picture shows; got\n{block[1]}"
+                )
             os.replace(saved[1], place.parent / saved[1])
             return f"{block[0]}\n![{saved[2]}]({saved[1]})\n"
 
