@@ -46,7 +46,6 @@ def watch(
 
         posflock watch --profile gritsbot_x --speed 4 --port 8765 --no-open formation.py
     """
-    from posflock_robotarium.watch.requests import Speed
     from posflock_robotarium.watch.serving import require_library
     from posflock_robotarium.watch.serving import watch as show
     from posflock_robotarium.watch.settings import Settings
@@ -54,7 +53,7 @@ def watch(
     from rps_compat.running.outcome import summary
 
     require_library()
-    settings = Settings(Speed(_factor(speed)).factor, paused, profile)
+    settings = Settings(_factor(speed), paused, profile)
     job = _job(script, tuple(context.args), generation, initial, seed, profile, radius, answer)
     for note in job.notes:
         say(f"{script}: {note}", err=True)
@@ -116,14 +115,12 @@ def _job(
 
 def _factor(word: str) -> float | None:
     """Read a speed: how many times as fast as real time, or None for ``max``."""
-    from posflock_robotarium.watch.requests import RequestError
+    from posflock_robotarium.watch.requests import SPEEDS, RequestError
 
-    if word == "max":
-        return None
-    try:
-        return float(word)
-    except ValueError:
-        raise RequestError(f"--speed: expected a number or max, got {word!r}") from None
+    speeds = {"max" if speed is None else f"{speed:g}": speed for speed in SPEEDS}
+    if word not in speeds:
+        raise RequestError(f"--speed: expected one of {', '.join(speeds)}; got {word!r}")
+    return speeds[word]
 
 
 def _sees_a_browser() -> bool:

@@ -3,6 +3,7 @@
 ==========  ==========================================================================
 requests    what the page may ask, read and checked in one place
 pace        when the next step may begin: real time, faster, slower, held
+settings    how a run is set: speed, profile, law
 tuning      what may be changed of a flock while it flies, and within which range
 picture     what the page is shown of one step
 onlooker    looks on in the script's process: holds it, obeys requests, sends pictures

@@ -10,10 +10,11 @@ import signal
 import socket
 import threading
 import webbrowser
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
+from typing import TYPE_CHECKING
 
 from posflock_robotarium.flocking.errors import PosflockError
 from posflock_robotarium.watch.script import WatchJob
@@ -21,6 +22,9 @@ from posflock_robotarium.watch.settings import Settings
 from posflock_robotarium.watch.show import Show
 from rps_compat.containment.kept import KeptFolder
 from rps_compat.running.outcome import Outcome
+
+if TYPE_CHECKING:
+    import uvicorn
 
 #: The only address that is listened at.
 LOOPBACK = "127.0.0.1"
@@ -141,7 +145,7 @@ def watch(
 
 
 @contextlib.contextmanager
-def _terminated_as_interrupted():  # type: ignore[no-untyped-def]
+def _terminated_as_interrupted() -> Iterator[None]:
     """Take SIGTERM for Ctrl-C: what the run left is still to be kept."""
 
     def interrupt(number: int, frame: FrameType | None) -> None:
@@ -202,9 +206,9 @@ async def _serve(
         run.result()
 
 
-async def _run(show: Show, server: object, stay: bool, ready: Callable[[], None]) -> None:
+async def _run(show: Show, server: uvicorn.Server, stay: bool, ready: Callable[[], None]) -> None:
     ready()
     try:
         await show.run(stay)
     finally:
-        server.should_exit = True  # type: ignore[attr-defined]
+        server.should_exit = True
