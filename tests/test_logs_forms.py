@@ -80,7 +80,7 @@ def test_a_name_is_registered_once():
 
 
 def test_the_documentation_and_the_help_list_every_form():
-    page = (Path(__file__).parents[1] / "docs/how-to/report.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[1] / "docs/reference/log-forms.md").read_text(encoding="utf-8")
     help_text = CliRunner().invoke(app, ["report", "--help"], env={"COLUMNS": "200"}).output
     for form in known_forms():
         assert f"| {form.label} | {form.summary} |" in page

@@ -2,7 +2,7 @@
 
 A form says how its files are recognised, and reads them. To add one, write a module with a function
 that returns the poses as `Found` and with a `Form`, and give it its line in ``__init__.py`` of this
-package; a module elsewhere calls `register`. docs/how-to/report.md shows a whole one.
+package; a module elsewhere calls `register`. docs/reference/log-forms.md shows a whole one.
 
 Forms are asked from the surest sign to the weakest, so that an entry need not know which others
 there are: what a file's content says beats its first bytes, and these beat its ending.

@@ -52,8 +52,8 @@ def find(file: Path, options: ReadOptions) -> Found:
 NPY = Form(
     name="npy",
     label="`.npy`",
-    summary="(T, 3, N), (3, N, T), (T, N, 3), (T, 3N), (3N, T), (5N, T), with a column of time or "
-    "without; structured",
+    summary="(T, 3, N) in any order, (T, 3N), (3N, T), (5N, T), with a column of time or without; "
+    "positions alone; structured",
     told_by=Sign.SIGNATURE,
     recognises=lambda file, start: start.startswith(SIGNATURE),
     read=find,

@@ -88,8 +88,7 @@ def _time(names: list[str], values: Floats) -> tuple[Floats | None, str]:
 ROS_CSV = Form(
     name="ros csv",
     label="ROS CSV",
-    summary="odometry or poses of one robot as `rostopic echo -p` writes them: nanoseconds, "
-    "quaternions",
+    summary="odometry or poses of one robot as `rostopic echo -p` and PlotJuggler write them",
     told_by=Sign.CONTENT,
     recognises=_is_ros_csv,
     read=_read,

@@ -91,9 +91,9 @@ def _samples(table: Table, samples: int) -> int | None:
 TEXT = Form(
     name="text",
     label="CSV, text",
-    summary="with or without header and time; comma, semicolon (decimal commas, too), tab, blank; "
-    ""
-    "`time_ms`, `x1 [mm]`, `theta1_deg` say their units; one row a robot, too; positions only",
+    summary="with or without header and time; comma, semicolon, tab (decimal commas, too), bar, "
+    "blank; `time_ms`, `x1 [mm]`, `theta1_deg` say their units; one row a robot, too; quaternions; "
+    "positions only",
     told_by=Sign.NOTHING,
     recognises=lambda file, start: True,
     read=read_text,

@@ -71,7 +71,7 @@ def _one_robot(t: Floats, values: Floats, rotations: Floats, what: str) -> Found
 TUM = Form(
     name="tum",
     label="TUM",
-    summary="time, place and quaternion of one robot, blanks between",
+    summary="time, place and quaternion of one robot",
     told_by=Sign.CONTENT,
     recognises=_is_tum,
     read=_read_tum,
