@@ -59,7 +59,8 @@ class BatchCertificate:
     --------
     >>> import numpy as np
     >>> from barrier_certificates.unicycle import UnicycleCertificate
-    >>> batch = BatchCertificate(UnicycleCertificate(safety_radius=0.27, speed_limit=0.15))
+    >>> certificate = UnicycleCertificate(safety_radius=0.27, speed_limit=0.15)
+    >>> batch = BatchCertificate(certificate, engine="numpy")  # "auto" is compiled with numba
     >>> apart = np.array([[-0.4, 0.4], [0.0, 0.0], [0.0, np.pi]])
     >>> near = np.array([[-0.2, 0.2], [0.0, 0.0], [0.0, np.pi]])  # face to face
     >>> commands, info = batch(np.full((2, 2, 2), [[0.15], [0.0]]), np.stack([apart, near]))
@@ -76,7 +77,8 @@ class BatchCertificate:
         self._alone = replace(certificate)
         self._late = certificate if isinstance(certificate, LateCertificate) else None
         distance = getattr(certificate, "projection_distance", 0.0)
-        self._drive = Drive(distance, getattr(certificate, "time_step", 0.0), True)
+        step = getattr(certificate, "time_step", 0.0)
+        self._drive = Drive(distance, step, isinstance(certificate, UnicycleCertificate))
         self._recipe = recipe_of(*self._alone.row_families(), cautious=self._late is not None)
         self._teams = (0, 0)
         self.reset()
@@ -310,7 +312,7 @@ class BatchCertificate:
         rows = self._alone.row_families().obstacles
         rows.move(now)
         table, before = rows.table(), self._recipe.obstacles.shape[1]
-        self._recipe = self._recipe._replace(obstacles=table)
+        self._recipe = self._recipe._replace(obstacles=np.ascontiguousarray(table))
         if table.shape[1] != before:
             self._alone = replace(self.certificate)
             fresh = self._fresh

@@ -94,11 +94,18 @@ def recipe_of(
     gains = [(0.0, 0.0) if kind is None else (kind.gain, kind.unsafe_gain) for kind in kinds]
     factors = np.array([[0.4], [0.5], [0.5]])
     disturbances = np.array([_sizes(walls), _sizes(obstacles)])
-    return Recipe(
+    arrays = (
         np.zeros((3, 0)) if limits is None else np.vstack([limits.normals, limits.bounds]),
-        limits is not None and limits.turning,
         np.zeros((3, 0)) if walls is None else np.vstack([walls.normals, walls.inner]),
         obstacles.table(),
+    )
+    # Compiled code is for one order of memory; another would be compiled anew.
+    for_limits, for_walls, for_obstacles = map(np.ascontiguousarray, arrays)
+    return Recipe(
+        for_limits,
+        limits is not None and limits.turning,
+        for_walls,
+        for_obstacles,
         np.zeros(0) if pairs is None else np.array([pairs.radius, pairs.radius**2]),
         factors * np.array(gains),
         disturbances,
