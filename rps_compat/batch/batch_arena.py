@@ -200,10 +200,10 @@ class BatchArena:
         self.steps += steps
 
     def _step(self, fresh: bool) -> None:
-        admitted = judged(self.robot, self.poses, self.commands, self.tally)
+        admitted, heading = judged(self.robot, self.poses, self.commands, self.tally)
         self.commands = self.velocities = admitted
         if self.realism is None:
-            move(admitted, self.poses, self.robot.time_step)
+            move(admitted, self.poses, self.robot.time_step, heading)
         else:
             seconds = self.robot.time_step
             self.velocities = self.realism.drive(admitted, self.poses, seconds, fresh)

@@ -131,7 +131,7 @@ class _EachTeam(BatchRealism):
         return np.stack([one.observe(seen) for one, seen in zip(self._teams, poses, strict=True)])
 
 
-def move(velocities: Array, poses: Array, seconds: float) -> None:
+def move(velocities: Array, poses: Array, seconds: float, heading: Array | None = None) -> None:
     """Move poses along the unicycle model by one explicit Euler step, in place.
 
     Parameters
@@ -142,17 +142,20 @@ def move(velocities: Array, poses: Array, seconds: float) -> None:
         Poses, m and rad.
     seconds : float
         How long they are driven, s.
+    heading : (2, B, N) array, optional
+        Cosines and sines of the headings, where they are known.
     """
-    heading = poses[:, 2].copy()
+    angle = poses[:, 2].copy()
+    cosine, sine = (np.cos(angle), np.sin(angle)) if heading is None else heading
     distance = seconds * velocities[:, 0]
-    poses[:, 0] += distance * np.cos(heading)
-    poses[:, 1] += distance * np.sin(heading)
-    heading += seconds * velocities[:, 1]
-    beyond = (np.abs(heading) > WRAPPED_BEYOND).any(axis=1)
+    poses[:, 0] += distance * cosine
+    poses[:, 1] += distance * sine
+    angle += seconds * velocities[:, 1]
+    beyond = (np.abs(angle) > WRAPPED_BEYOND).any(axis=1)
     if beyond.any():
-        turned = heading[beyond]
-        heading[beyond] = np.arctan2(np.sin(turned), np.cos(turned))
-    poses[:, 2] = heading
+        turned = angle[beyond]
+        angle[beyond] = np.arctan2(np.sin(turned), np.cos(turned))
+    poses[:, 2] = angle
 
 
 def together(arrays: Array) -> Array:

@@ -19,7 +19,7 @@ from rps_compat.batch.batch_violations import (
 from rps_compat.testbed import RobotModel
 
 
-def judged(robot: RobotModel, poses: Array, commands: Array, tally: Tally) -> Array:
+def judged(robot: RobotModel, poses: Array, commands: Array, tally: Tally) -> tuple[Array, Array]:
     """Count what is wrong at the start of a step; return the commands that the wheels admit.
 
     Parameters
@@ -35,8 +35,10 @@ def judged(robot: RobotModel, poses: Array, commands: Array, tally: Tally) -> Ar
 
     Returns
     -------
-    (B, 2, N) array
+    admitted : (B, 2, N) array
         Velocities with each wheel cut at its limit, m/s and rad/s.
+    heading : (2, B, N) array
+        Cosines and sines of the headings.
     """
     radius, axle, limit = robot.wheel_radius, robot.base_length, robot.max_wheel_velocity
     forward, turn = 2.0 * commands[:, 0], axle * commands[:, 1]
@@ -51,9 +53,13 @@ def judged(robot: RobotModel, poses: Array, commands: Array, tally: Tally) -> Ar
         np.maximum(largest, fastest, out=largest, where=asked)
         np.clip(wheels, -limit, limit, out=wheels)
     _count_outside(robot, poses, tally)
-    _count_close(robot, poses, tally)
+    heading = np.stack([np.cos(poses[:, 2]), np.sin(poses[:, 2])])
+    _count_close(robot, poses, heading, tally)
     left, right = wheels[:, 0], wheels[:, 1]
-    return np.stack([(left + right) * (radius / 2), (right - left) * (radius / axle)], axis=1)
+    admitted = np.empty_like(wheels)
+    np.multiply(left + right, radius / 2, out=admitted[:, 0])
+    np.multiply(right - left, radius / axle, out=admitted[:, 1])
+    return admitted, heading
 
 
 def _count_outside(robot: RobotModel, poses: Array, tally: Tally) -> None:
@@ -68,14 +74,13 @@ def _count_outside(robot: RobotModel, poses: Array, tally: Tally) -> None:
         tally.by_robot[0] += out & outside[:, None]
 
 
-def _count_close(robot: RobotModel, poses: Array, tally: Tally) -> None:
+def _count_close(robot: RobotModel, poses: Array, heading: Array, tally: Tally) -> None:
     number = poses.shape[2]
     if number < 2:
         return
-    heading = poses[:, 2]
     bodies = np.empty((2, number, poses.shape[0]))  # pairs are rows, which are copied whole
-    bodies[0] = (poses[:, 0] + robot.collision_offset * np.cos(heading)).T
-    bodies[1] = (poses[:, 1] + robot.collision_offset * np.sin(heading)).T
+    bodies[0] = (poses[:, 0] + robot.collision_offset * heading[0]).T
+    bodies[1] = (poses[:, 1] + robot.collision_offset * heading[1]).T
     i, j = np.triu_indices(number, 1)
     apart = bodies[:, i] - bodies[:, j]
     apart *= apart
