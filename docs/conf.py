@@ -43,6 +43,8 @@ html_theme = "furo"
 html_title = "posflock-robotarium"
 html_show_sphinx = False
 html_copy_source = False
+# Opened from disk, a page may not read others, of which a summary would be made.
+html_show_search_summary = False
 html_static_path = ["static"]
 html_css_files = ["site.css"]
 pygments_style = "a11y-high-contrast-light"

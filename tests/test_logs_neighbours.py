@@ -194,3 +194,9 @@ def test_robots_that_a_file_counts_from_one_are_told(tmp_path):
     file = tmp_path / "log.csv"
     file.write_text("t,x1,y1,x2,y2\n" + "".join(f"{t:.3f},0,0,1,{t:.3f}\n" for t in T))
     assert any("robot 1 of the file is robot 0 here" in note for note in read(file).notes)
+
+
+def test_a_folder_is_read_past_its_notes(tmp_path):
+    (tmp_path / "log.csv").write_text(table())
+    (tmp_path / "report.txt").write_text("Your simulation took 48 s.\nNo errors in it!\n")
+    np.testing.assert_allclose(read(tmp_path).poses, POSES, atol=1e-5)

@@ -38,6 +38,8 @@ class KindOfScript:
         What its law is given beside the poses.
     law : str
         Where its law stands, in words.
+    questions : str
+        What its report asks of it, as ``--questions`` has it; empty where the log tells that.
     constant, tried : str
         A constant of it that a study may vary, and values for that.
     """
@@ -51,8 +53,14 @@ class KindOfScript:
     shared: str = "METRIC, UNIT, metric"
     given: str = ""
     law: str = "`desired`, at the bottom of the script"
+    questions: str = ""
     constant: str = "SPEED"
     tried: str = "[0.06, 0.09, 0.12]"
+
+    @property
+    def asked(self) -> str:
+        """The option of `posflock report` that asks it."""
+        return f" --questions {self.questions}" if self.questions else ""
 
     @property
     def metric_name(self) -> str:
@@ -95,6 +103,7 @@ _KINDS = {
         "The mean distance of a robot from its place in the formation, wherever that stands.",
         shared="METRIC, PLACES, UNIT, metric",
         given="places",
+        questions="formation",
     ),
     ExperimentKind.COVERAGE: KindOfScript(
         "Coverage: six robots spread over the arena.",
@@ -105,6 +114,7 @@ _KINDS = {
         "The mean over the arena of how far the nearest robot is.",
         shared="GRID, METRIC, UNIT, metric, nearest_robot",
         given="weight",
+        questions="coverage",
     ),
     ExperimentKind.SWARM_SWAP: KindOfScript(
         "Swap: six robots on a circle change places with who is opposite.",

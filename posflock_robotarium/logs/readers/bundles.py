@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import islice
 from pathlib import Path, PurePosixPath
 
 from posflock_robotarium.flocking.errors import LogError
@@ -66,13 +68,24 @@ def _named_after(path: Path, place: Path) -> Iterator[None]:
 
 def _logs(files: list[Path], path: Path) -> list[Path]:
     logs = sorted(file for file in files if file.suffix.lower() in _LOGS and file.is_file())
-    logs = [file for file in logs if not (file.suffix == ".txt" and read_printed(file))] or logs
+    words = {f for f in logs if f.suffix == ".txt" and (read_printed(f) or _is_prose(f))}
+    logs = [file for file in logs if file not in words] or logs
     if not logs:
         what = "a folder" if path.is_dir() else "a .zip"
         raise LogError(f"{path}: {what} with no log in it; expected files {', '.join(_LOGS)}")
     if len(logs) > MOST_FILES:
         raise LogError(f"{path}: {len(logs)} logs, more than the {MOST_FILES} of one run")
     return logs
+
+
+def _is_prose(file: Path) -> bool:
+    """Whether no line of a text begins with two numbers: notes, a README, what `run` reports."""
+    with file.open(encoding="utf-8", errors="replace") as lines:
+        return not any(map(_NUMBERS.match, islice(lines, _FIRST_LINES)))
+
+
+_NUMBERS = re.compile(r"\s*[\"']?[-+]?\.?\d[^\s,;|]*[\s,;|]+[\"']?[-+]?\.?\d")
+_FIRST_LINES = 200
 
 
 def _unpacked(path: Path, place: Path, bounds: Bounds) -> list[Path]:
