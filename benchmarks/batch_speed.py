@@ -34,7 +34,7 @@ from batch_teams import AHEAD, GAIN, KINDS, RADIUS, SPEED, TIME_STEP, steps_of, 
 from barrier_certificates.batch import BatchCertificate
 from barrier_certificates.unicycle import UnicycleCertificate
 from rps_compat.arena import Arena
-from rps_compat.batch import BatchArena, Outcome, ToGoals, rollout
+from rps_compat.batch import BatchArena, RolloutOutcome, ToGoals, rollout
 
 CERTIFICATE = UnicycleCertificate(
     safety_radius=RADIUS, barrier_gain=2000.0, wall_gain=100.0, wall_margin=0.11,
@@ -53,7 +53,7 @@ class Batch:
         self.poses, self.target = teams(kind, number)
         self.arena = BatchArena(self.poses, engine=engine, threads=threads)
         self.certificate = BatchCertificate(CERTIFICATE, engine=engine, threads=threads)
-        self.outcome: Outcome | None = None
+        self.outcome: RolloutOutcome | None = None
         self.roll(1)
 
     def roll(self, steps: int) -> None:

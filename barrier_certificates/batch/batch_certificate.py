@@ -11,7 +11,7 @@ import numpy as np
 from barrier_certificates import checks
 from barrier_certificates.array_types import BoolArray, FloatArray
 from barrier_certificates.batch.batch_info import BatchInfo, numbers_of
-from barrier_certificates.batch.certify import UNANSWERED, Answers, Drive, certify_teams
+from barrier_certificates.batch.certify import UNANSWERED, Answers, DriveModel, certify_teams
 from barrier_certificates.batch.compiling import Engine, is_compiled, over_teams
 from barrier_certificates.batch.layout import Recipe, TeamRows, recipe_of, rows_of
 from barrier_certificates.certificate import Certificate
@@ -78,7 +78,7 @@ class BatchCertificate:
         self._late = certificate if isinstance(certificate, LateCertificate) else None
         distance = getattr(certificate, "projection_distance", 0.0)
         step = getattr(certificate, "time_step", 0.0)
-        self._drive = Drive(distance, step, isinstance(certificate, UnicycleCertificate))
+        self._drive = DriveModel(distance, step, isinstance(certificate, UnicycleCertificate))
         self._recipe = recipe_of(*self._alone.row_families(), cautious=self._late is not None)
         self._teams = (0, 0)
         self.reset()
@@ -202,7 +202,7 @@ class BatchCertificate:
         """How far ahead of the axle the projection points lie, m; 0 for robots without headings."""
         return self._drive.distance
 
-    def prepared(self, poses: FloatArray) -> tuple[Recipe, Drive, TeamRows, Answers]:
+    def prepared(self, poses: FloatArray) -> tuple[Recipe, DriveModel, TeamRows, Answers]:
         """Return what compiled rollouts take; the answers are those of this certificate.
 
         Parameters
@@ -272,7 +272,7 @@ class BatchCertificate:
         desired: FloatArray,
         states: FloatArray,
         obstacles: Sequence[Obstacle] | None,
-        drive: Drive,
+        drive: DriveModel,
         one: _One,
     ) -> tuple[FloatArray, BatchInfo]:
         teams = desired.shape[0]

@@ -24,7 +24,7 @@ _LARGE = 1e3  # m, m/s: beyond, a single certificate takes care of units and rou
 _FAST = 10.0  # m/s, likewise
 
 
-class Drive(NamedTuple):
+class DriveModel(NamedTuple):
     """How robots follow what is certified.
 
     Attributes
@@ -71,7 +71,7 @@ def certify_teams(
     first: int,
     last: int,
     recipe: Recipe,
-    drive: Drive,
+    drive: DriveModel,
     pattern: TeamRows,
     desired: FloatArray,
     states: FloatArray,
@@ -85,7 +85,7 @@ def certify_teams(
         The first team, and the one after the last.
     recipe : Recipe
         What rows are made from.
-    drive : Drive
+    drive : DriveModel
         How robots follow.
     pattern : TeamRows
         Who is in each row.
@@ -123,7 +123,7 @@ def rows_in(pattern: TeamRows) -> TeamRows:
 @compiled
 def certify_team(
     recipe: Recipe,
-    drive: Drive,
+    drive: DriveModel,
     rows: TeamRows,
     space: Space,
     barrier: FloatArray,
@@ -185,7 +185,7 @@ def _is_plain(numbers: FloatArray) -> bool:
 
 
 @compiled
-def _place(drive: Drive, states: FloatArray, desired: FloatArray, space: Space) -> None:
+def _place(drive: DriveModel, states: FloatArray, desired: FloatArray, space: Space) -> None:
     """Write positions, headings and the target of the points that are certified."""
     number, distance = desired.shape[1], drive.distance
     position, target, cosine, sine = (
@@ -208,7 +208,7 @@ def _place(drive: Drive, states: FloatArray, desired: FloatArray, space: Space) 
 
 @compiled
 def _to_points(
-    drive: Drive, target: FloatArray, cosine: FloatArray, sine: FloatArray, turned: FloatArray
+    drive: DriveModel, target: FloatArray, cosine: FloatArray, sine: FloatArray, turned: FloatArray
 ) -> None:
     """Make velocities of projection points of unicycle commands, in place."""
     distance, step, number = drive.distance, drive.time_step, target.shape[1]
@@ -240,7 +240,7 @@ def _arcsine(sine: float) -> float:
 
 
 @compiled
-def _answer(drive: Drive, space: Space, count: int, team: int, answers: Answers) -> None:
+def _answer(drive: DriveModel, space: Space, count: int, team: int, answers: Answers) -> None:
     """Write the answer, what it cost, and which rows bind."""
     change, point, target = 0.0, space.point, space.target
     heading, velocity = space.heading, answers.velocity

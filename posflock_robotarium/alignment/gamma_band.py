@@ -34,7 +34,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from barrier_certificates.ties import beyond
-from posflock_robotarium.alignment.gamma_band_ends import Spread, ends_of
+from posflock_robotarium.alignment.gamma_band_ends import BandMoments, ends_of
 from posflock_robotarium.flocking.law import neighbours
 
 Floats = NDArray[np.float64]
@@ -175,8 +175,8 @@ def gamma_band(
         )
         for stretch in stretches
     ]
-    spread = Spread(
-        *(np.concatenate([getattr(p, each.name) for p in parts]) for each in fields(Spread))
+    spread = BandMoments(
+        *(np.concatenate([getattr(p, each.name) for p in parts]) for each in fields(BandMoments))
     )
     low, high = ends_of(spread)
     low, high = low + spread.doubt_below, high + spread.doubt_above
@@ -185,7 +185,7 @@ def gamma_band(
 
 def _spread(
     d: Directions, p: Floats, radius: float | Floats, noise: float, heard: Booleans
-) -> Spread:
+) -> BandMoments:
     speed = np.sqrt(np.square(d.velocities).sum(axis=1))
     moving = beyond(speed, d.slowest)
     links = heard & moving[:, np.newaxis, :] & moving[:, :, np.newaxis]
@@ -206,7 +206,7 @@ def _spread(
         above[rows] += np.maximum(other - centre[rows], 0.0)
     counted = links.any(axis=2)
     unsure = (counted & (variance > LARGEST_ERROR**2)).any(axis=1)
-    return Spread(np.where(unsure, np.nan, centre), *moments, below, above)
+    return BandMoments(np.where(unsure, np.nan, centre), *moments, below, above)
 
 
 def _weights(links: Booleans) -> tuple[Floats, NDArray[np.intp]]:
@@ -221,7 +221,7 @@ def _weights(links: Booleans) -> tuple[Floats, NDArray[np.intp]]:
 def _moments(
     links: Booleans, c: Floats, s: Floats, variance: Floats
 ) -> tuple[Floats, tuple[Floats, Floats, Floats, Floats]]:
-    """Return γ less its bias, and the moments of a `Spread`."""
+    """Return γ less its bias, and the moments of a `BandMoments`."""
     weights, counted = _weights(links)
     pairs = weights + np.swapaxes(weights, 1, 2)
     lift = np.exp(variance / 2)

@@ -24,7 +24,7 @@ _MOST_SKEWED = 2.0 * np.sqrt(2.0)
 
 
 @dataclass(frozen=True, eq=False)
-class Spread:
+class BandMoments:
     """What is known of γ at each sample: moments of the expansion, and doubts.
 
     Attributes
@@ -50,12 +50,12 @@ class Spread:
     doubt_above: Floats
 
 
-def ends_of(spread: Spread) -> tuple[Floats, Floats]:
+def ends_of(spread: BandMoments) -> tuple[Floats, Floats]:
     """Return the least and the greatest γ under which the reading is not too rare.
 
     Parameters
     ----------
-    spread : Spread
+    spread : BandMoments
         What is known of γ at each sample.
 
     Returns
@@ -87,7 +87,7 @@ class _End(Enum):
     HIGH = "high"
 
 
-def _accepted(gamma: Floats, spread: Spread, end: _End) -> Floats:
+def _accepted(gamma: Floats, spread: BandMoments, end: _End) -> Floats:
     """Return an end of the 95 % of the readings where the truth is `gamma`: Pearson's type III."""
     from scipy.special import ndtri
 

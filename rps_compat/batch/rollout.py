@@ -22,7 +22,7 @@ from rps_compat.batch.rollout_kernel import (
 from rps_compat.errors import CommandError
 from rps_compat.kinematics import projection_point, unicycle_command
 
-__all__ = ["Hold", "Outcome", "ToGoals", "rollout"]
+__all__ = ["Hold", "RolloutOutcome", "ToGoals", "rollout"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +105,7 @@ class ToGoals:
 
 
 @dataclass(frozen=True, eq=False)
-class Outcome:
+class RolloutOutcome:
     """What became of each team in a rollout.
 
     Attributes
@@ -131,7 +131,7 @@ class Outcome:
 
 def rollout(
     arena: BatchArena, certificate: BatchCertificate, wish: Hold | ToGoals, steps: int
-) -> Outcome:
+) -> RolloutOutcome:
     """Let all teams drive for some steps, each command certified.
 
     Parameters
@@ -162,7 +162,7 @@ def rollout(
     roll = _roll_compiled if alike and not certificate.answers_late else _roll
     handed_over = roll(arena, certificate, wish, steps, progress)
     extremes = progress.extremes
-    return Outcome(
+    return RolloutOutcome(
         progress.statuses,
         extremes[VIOLATION],
         extremes[INTERVENTION],

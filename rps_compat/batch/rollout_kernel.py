@@ -9,7 +9,13 @@ import numpy as np
 
 from barrier_certificates.array_types import IntArray
 from barrier_certificates.batch.active_rows import space_for
-from barrier_certificates.batch.certify import UNANSWERED, Answers, Drive, certify_team, rows_in
+from barrier_certificates.batch.certify import (
+    UNANSWERED,
+    Answers,
+    DriveModel,
+    certify_team,
+    rows_in,
+)
 from barrier_certificates.batch.compiling import compiled, entered
 from barrier_certificates.batch.headings import cosines_and_sines
 from barrier_certificates.batch.layout import Recipe, TeamRows
@@ -75,7 +81,7 @@ def roll_teams(
     constants: Array,
     wish: Wish,
     recipe: Recipe,
-    drive: Drive,
+    drive: DriveModel,
     pattern: TeamRows,
     poses: Array,
     tally: Tally,

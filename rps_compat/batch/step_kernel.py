@@ -34,8 +34,8 @@ _AXLE, _PER_RADIUS, _HALF_RADIUS, _RADIUS_PER_AXLE, _LIMIT, _AHEAD, _TOO_CLOSE, 
 _X_MIN, _X_MAX, _Y_MIN, _Y_MAX = range(8, 12)
 
 
-class Room(NamedTuple):
-    """Room for the steps of one team, and its rows, each an array of its own.
+class StepSpace(NamedTuple):
+    """Space for the steps of one team, and its rows, each an array of its own.
 
     Taking an array out of a tuple, or a row out of an array, costs as much as a robot's step, so it
     is done once a team.
@@ -62,7 +62,7 @@ class Room(NamedTuple):
 
 
 @compiled
-def room_for(number: int) -> Room:
+def room_for(number: int) -> StepSpace:
     """Return room for a team.
 
     Parameters
@@ -70,7 +70,7 @@ def room_for(number: int) -> Room:
     number : int
         Number of robots, N.
     """
-    return Room(
+    return StepSpace(
         np.zeros(number),
         np.zeros(number),
         np.zeros(number),
