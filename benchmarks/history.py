@@ -120,7 +120,7 @@ def draw(name: str, rows: Sequence[Row], out: Path) -> Path:
     machines = list(dict.fromkeys(row["machine"] for row in rows))
     for what, panel in zip(names, axes.flat, strict=False):
         _panel(panel, what, rows, machines)
-    figure.suptitle(f"{name}: {len(rows)} runs on {len(machines)} kinds of machine")
+    figure.suptitle(f"{name} — runs: {len(rows)}, kinds of machine: {len(machines)}")
     out.mkdir(parents=True, exist_ok=True)
     path = out / f"history-{name}.png"
     figure.savefig(path, dpi=130)
