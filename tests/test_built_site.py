@@ -36,9 +36,12 @@ def page(request, browser):  # noqa: F811
         viewport={"width": width, "height": 900}, color_scheme=scheme, offline=True
     )
     opened = context.new_page()
-    opened.on("requestfailed", lambda request: pytest.fail(f"asks for {request.url}"))
+    asked = []
+    opened.on("request", lambda request: asked.append(request.url))
     yield opened
     context.close()
+    assert asked
+    assert [url for url in asked if not url.startswith(("file:", "data:"))] == []
 
 
 def test_axe_finds_no_violation_and_no_page_is_wider_than_its_window(page, axe):  # noqa: F811
