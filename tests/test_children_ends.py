@@ -160,3 +160,34 @@ while True:
         "process-1 was ended while its robots drove", "worker-1 was ended while its robots drove",
     ]  # fmt: skip
     assert by_process["process-1"]["steps"] > 3
+
+
+DEAF = """
+import multiprocessing as mp, signal, subprocess, sys
+from common import *
+
+def for_ever():
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    r = drive(1)
+    while True:
+        r.get_poses()
+        r.step()
+
+if __name__ == "__main__":
+    subprocess.Popen([sys.executable, "worker.py"])
+    mp.get_context("fork").Process(target=for_ever).start()
+    r = drive(1)
+    while True:
+        r.get_poses()
+        r.step()
+"""
+
+
+def test_a_limit_that_strikes_again_while_children_will_not_end_leaves_none(tmp_path):
+    worker = DEAF.replace('    subprocess.Popen([sys.executable, "worker.py"])\n', "").replace(
+        'mp.get_context("fork").Process(target=for_ever).start()', "for_ever()"
+    )
+    done, data, by_process = run(tmp_path, DEAF, "--timeout", "6", worker=worker)
+    assert done.returncode == 124
+    assert {*by_process} == {"", "process-1", "worker-1"}
+    assert all("was ended while its robots drove" in note for note in notes_on_children(data))

@@ -184,6 +184,7 @@ OTHERWISE = {
     "posflock_robotarium/logs/readers/bundles.py": "a folder that ends with its process",
     "posflock_robotarium/submission/private_simulator.py": "a room that ends with its process",
     "posflock_robotarium/submission/rehearse.py": "a room that ends with its process",
+    "posflock_robotarium/sweep/scripts.py": "a room that ends with its run",
     "posflock_robotarium/verify/trial.py": "a room that ends with its process",
     "posflock_robotarium/verify/trials.py": "a room that ends with its process",
     "rps_compat/containment/caches.py": "a room that ends with its process",

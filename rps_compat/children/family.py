@@ -84,8 +84,8 @@ class Family:
 
     def end_children(self) -> None:
         """End and gather what runs in child processes: this process ends without its script."""
-        terminate(self._room)
         self._cut_short = True
+        terminate(self._room)
         self._gather()
 
     def _gather(self) -> None:
@@ -119,9 +119,10 @@ class Family:
             raise
         except BaseException:
             if self.is_home:
+                # First of all: the time limit strikes again while these take their time to end.
+                self._cut_short = True
                 left.end()
                 terminate(self._room)
-                self._cut_short = True
             raise
         if self.is_home:
             left.wait_for()

@@ -306,6 +306,8 @@ def sideways_share(poses: Floats) -> float:
         Sum of squared sideways displacements over the sum of all, NaN when nothing moves.
     """
     stride = max(1, len(poses) // 4000)
+    # Three zeros are no place but a robot that nobody sees: the way from there is no motion.
+    poses = np.where((poses[:, :3] == 0.0).all(axis=1, keepdims=True), np.nan, poses)
     # Displacements over five samples, so that tracking noise does not drown the motion.
     ahead, behind = poses[5:], poses[:-5]
     if len(poses) <= 5:
