@@ -20,6 +20,7 @@ from posflock_robotarium.alignment.measured_run import MeasuredRun, weighted_mea
 from posflock_robotarium.alignment.metric_registry import Number
 from posflock_robotarium.alignment.run_verdict import Mark, RunVerdict
 from posflock_robotarium.alignment.targets import Relation, Target, When, parse_target
+from posflock_robotarium.alignment.verdict_words import since_text
 from posflock_robotarium.flocking.errors import ParameterError
 
 Floats = NDArray[np.float64]
@@ -217,19 +218,21 @@ _MARKS = {True: Mark.GOOD, False: Mark.BAD, None: Mark.UNKNOWN}
 _SHORT = {True: "on target", False: "off target", None: "unknown"}
 
 
-def verdict_of(outcome: TargetOutcome) -> RunVerdict:
+def verdict_of(outcome: TargetOutcome, drive: float = 0.0) -> RunVerdict:
     """Return what is said of one target.
 
     Parameters
     ----------
     outcome : TargetOutcome
         How the run did by it.
+    drive : float
+        Seconds of the log before the experiment began, from which its times count.
     """
     return RunVerdict(
         f"{outcome.target}?",
         _MARKS[outcome.met],
         _answer(outcome),
-        _because(outcome),
+        _because(outcome, drive),
         f"{outcome.label} {_SHORT[outcome.met]}",
     )
 
@@ -248,11 +251,13 @@ def _answer(outcome: TargetOutcome) -> str:
     return f"{yes}: {only}for {_percent(outcome.share)} of the time."
 
 
-def _because(outcome: TargetOutcome) -> str:
+def _because(outcome: TargetOutcome, drive: float) -> str:
     said = [outcome.why_unknown] if outcome.met is None else []
     if outcome.share and outcome.share < 1.0:
         kept = outcome.kept_from
-        said.append("It ends off target." if kept is None else f"For good from {kept:.1f} s on.")
+        said.append(
+            "It ends off target." if kept is None else f"For good {since_text(kept, drive)}."
+        )
     if outcome.undefined and outcome.met is not None:
         said.append(f"Undefined for {_percent(outcome.undefined)} of the time.")
     if outcome.mean is not None:
