@@ -9,6 +9,7 @@ from typer.testing import CliRunner
 
 from posflock_robotarium.alignment.questions import ChosenBy
 from posflock_robotarium.alignment.truth import known_flock
+from posflock_robotarium.alignment.verdicts import headline
 from posflock_robotarium.cli import app
 from posflock_robotarium.flocking.errors import LogError, ParameterError
 from posflock_robotarium.report import (
@@ -153,6 +154,19 @@ def test_targets_are_verdicts_numbers_and_lines(tmp_path):
     assert analysis.numbers["on_target_cohesive_radius"].value == found.share
     write_report([analysis], tmp_path, figures=False)
     assert "target 0.6" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_two_targets_of_one_metric_are_two_rows_and_one_word_in_the_headline():
+    kept = ("cohesive_radius > 0.1 m always", "cohesive_radius < 0.6 m at the end")
+    analysis = analyse(closing(), AnalysisOptions(targets=kept))
+    assert headline(analysis.verdicts).count("cohesive radius on target") == 1
+    at_end = analysis.numbers["at_end_cohesive_radius"]
+    assert at_end.value == analysis.curves["cohesive_radius"][-1] == analysis.targets[1].value
+    assert (at_end.label, at_end.unit) == ("cohesive radius at the end", "m")
+    assert "on_target_cohesive_radius" in analysis.numbers
+    assert analysis.verdicts[1].because == ""  # the mean and range of the run are not of its end
+    mixed = analyse(closing(), AnalysisOptions(targets=(*kept, "cohesive_radius > 9 m")))
+    assert headline(mixed.verdicts).startswith("cohesive radius on 2 of 3 targets, ")
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ from posflock_robotarium.alignment.metrics import SMOOTHING_POINTS
 from posflock_robotarium.alignment.questions import Questions
 from posflock_robotarium.alignment.run_verdict import Mark, RunVerdict
 from posflock_robotarium.alignment.shape_verdicts import covered, kept_formation
-from posflock_robotarium.alignment.target_outcomes import TargetOutcome, verdict_of
+from posflock_robotarium.alignment.target_outcomes import TargetOutcome, verdicts_of_targets
 from posflock_robotarium.alignment.verdict_words import gamma_text as _g
 from posflock_robotarium.alignment.verdict_words import share_text as _pc
 from posflock_robotarium.alignment.verdict_words import since_text
@@ -77,7 +77,7 @@ def verdicts_of(
     if found is None:
         found = sightings_of(recording, recording.t, counted=not recording.timed)
     losses = losses_of(recording, found)
-    verdicts = [verdict_of(target, value.get("drive_in_log", 0.0)) for target in targets]
+    verdicts = verdicts_of_targets(targets, value.get("drive_in_log", 0.0))
     flocking = questions is Questions.FLOCKING
     if flocking:
         verdicts += [
