@@ -9,6 +9,8 @@ from posflock_robotarium.alignment.analysis import analyse
 from posflock_robotarium.logs.readers import read
 from posflock_robotarium.logs.recorder import open_pose_log
 from posflock_robotarium.logs.start import experiment_start
+from posflock_robotarium.report.page import render
+from rps_compat.profiles import load_profile
 from rps_compat.run_settings import RunSettings
 from rps_compat.runner import run_script
 
@@ -53,6 +55,18 @@ def test_the_log_says_when_the_drive_to_the_start_was_over(simulated, tmp_path):
     assert len(run.t) - first == 60
     np.testing.assert_array_equal(run.poses[first], np.load(tmp_path / "first.npy"))
     assert analyse(run).start == said["drive"]
+
+
+def test_the_report_of_a_simulated_run_says_what_it_is(simulated, tmp_path):
+    """It is called after its script; and no clock of this computer is told for the robots'."""
+    run, said = simulated(profile=load_profile("gternal"))
+    assert (said["simulated"], said["profile"]) == (True, "gternal")
+    analysis = analyse(run)
+    assert (analysis.name, analysis.summary()["origin"]) == ("main", "simulation")
+    assert "time" not in " ".join(verdict.question for verdict in analysis.verdicts)
+    page = render([analysis])
+    assert "simulation, profile gternal, " in page
+    assert "hardware" not in page
 
 
 def test_a_run_that_begins_where_it_should_has_no_drive(simulated):
