@@ -133,4 +133,7 @@ def lint(
         else:
             with written_together(out.parent) as draft:
                 write_whole(draft / out.name, new)
+            changed = sum(bool(finding.edits) for finding in findings)
+            left_over = sum(finding.by_hand for finding in findings)
+            say(f"wrote {out}: {changed} changed, {left_over} to change by hand", err=True)
     raise typer.Exit(1 if needed else 0)

@@ -71,6 +71,25 @@ def numbers_text(values: Sequence[float], unit: str = "") -> list[str]:
     return [number_text(v, unit) if form is None else form.text(v) for v in values]
 
 
+def target_text(limit: float, unit: str) -> str:
+    """Return what stands at the line of a target.
+
+    Parameters
+    ----------
+    limit : float
+        What the metric is held against.
+    unit : str
+        Of the metric; empty for pure numbers.
+
+    Examples
+    --------
+    >>> target_text(0.05, "m"), target_text(0.9, "share")
+    ('target 0.05 m', 'target 90 %')
+    """
+    value, unit = (100 * limit, "%") if unit == "share" else (limit, unit)
+    return f"target {value:g} {unit}".strip()
+
+
 def difference_text(difference: float, beside: Sequence[float], unit: str = "") -> str:
     """Return how far two numbers of a row are apart, in the unit and decimals of the row.
 
