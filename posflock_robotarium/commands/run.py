@@ -133,7 +133,8 @@ def lint(
         else:
             with written_together(out.parent) as draft:
                 write_whole(draft / out.name, new)
-            changed = sum(bool(finding.edits) for finding in findings)
-            left_over = sum(finding.by_hand for finding in findings)
-            say(f"wrote {out}: {changed} changed, {left_over} to change by hand", err=True)
+            changed = len({finding.line for finding in findings if finding.edits})
+            left_over = len({(one.file, one.line) for one in findings if one.by_hand})
+            lines = f"{changed} line{'' if changed == 1 else 's'}"
+            say(f"wrote {out}: {lines} changed, {left_over} to change by hand", err=True)
     raise typer.Exit(1 if needed else 0)
