@@ -127,6 +127,7 @@ class Watch(RunRecorder):
         self._recording, self._log, self._path, self._record = recording, log, path, record
         self.instance: Any = None
         self.arena: Arena | None = None
+        self._driving_to_start = True  # as long as nothing else was seen
 
     def attach(self, instance: Any) -> None:
         """Watch a new instance.
@@ -161,6 +162,8 @@ class Watch(RunRecorder):
             raise SystemExit  # it outlived the run
         if self._log is not None:
             self._log.append(time, poses, commands)
+            if self._driving_to_start and arena is not None:
+                self._tell_drive(arena)
         if self._record is not None and arena is not None:
             self._record.update(arena)
         film = self._recording.film
@@ -187,9 +190,25 @@ class Watch(RunRecorder):
 
     def _tell_robot(self, log: RunRecorder | None = None) -> None:
         """Let the log say by which robot and arena its run is to be judged."""
+        if self.arena is not None:
+            self._annotate(log, robot=asdict(self.arena.robot))
+
+    def _annotate(self, log: RunRecorder | None = None, **values: Any) -> None:
+        """Add to the description of the log, where it has one."""
         annotate = getattr(log or self._log, "annotate", None)
-        if annotate is not None and self.arena is not None:
-            annotate(robot=asdict(self.arena.robot))
+        if annotate is not None:
+            annotate(**values)
+
+    def _tell_drive(self, arena: Arena) -> None:
+        """Let the log say, in the experiment's second step, how long the drive to the start took.
+
+        In the first, as in each step of the drive, all steps that are done were the drive's.
+        """
+        if arena.steps == arena.steps_to_start:
+            return
+        self._driving_to_start = False
+        if arena.steps_to_start:
+            self._annotate(drive=arena.steps_to_start * arena.robot.time_step)
 
     def abandon(self) -> None:
         """Leave log and record to the process from which this one was forked."""
@@ -351,6 +370,6 @@ class _Continued(Recorder):
     def append(self, time: float, poses: Array, commands: Array, /) -> None:
         arena = self._arena
         watch = arena.recorder = self._recording.watch(arena.number_of_robots, copied=True)
-        watch.arena = arena
+        watch.arena, watch._driving_to_start = arena, False  # the drive is in the parent's log
         watch._tell_robot()
         watch.append(time, poses, commands)

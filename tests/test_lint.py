@@ -223,10 +223,12 @@ r.call_at_scripts_end()
 def test_rewritten_script_runs_on_generation_2(tmp_path, capsys):
     old, new = tmp_path / "old.py", tmp_path / "new.py"
     old.write_text(GENERATION_1)
-    assert (
-        CliRunner().invoke(app, ["lint", str(old), "--generation", "2", "-o", str(new)]).exit_code
-        == 1
-    )
+    told = CliRunner().invoke(app, ["lint", str(old), "--generation", "2", "-o", str(new)])
+    assert told.exit_code == 1
+    pairs = zip(old.read_text().splitlines(), new.read_text().splitlines(), strict=True)
+    changed = sum(before != after for before, after in pairs)
+    last = told.stderr.splitlines()[-1]
+    assert last == f"wrote {new}: {changed} lines changed, 0 to change by hand"
     assert CliRunner().invoke(app, ["lint", str(new)]).exit_code == 0
     assert (evidence_in(old).generation, evidence_in(new).generation) == (1, 2)
     for script in (old, new):

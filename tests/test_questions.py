@@ -1,6 +1,7 @@
 """A run is asked what it can be asked: a flock whether it flocked, another what its user wants."""
 
 import dataclasses
+import re
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from typer.testing import CliRunner
 
 from posflock_robotarium.alignment.questions import ChosenBy
 from posflock_robotarium.alignment.truth import known_flock
+from posflock_robotarium.alignment.verdicts import headline
 from posflock_robotarium.cli import app
 from posflock_robotarium.flocking.errors import LogError, ParameterError
 from posflock_robotarium.report import (
@@ -20,7 +22,9 @@ from posflock_robotarium.report import (
     load,
     write_report,
 )
+from posflock_robotarium.report.outputs import latex_table
 from posflock_robotarium.report.page import render
+from posflock_robotarium.report.page_data import page_data
 
 T = 0.1 * np.arange(400)
 
@@ -155,6 +159,19 @@ def test_targets_are_verdicts_numbers_and_lines(tmp_path):
     assert "target 0.6" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
+def test_two_targets_of_one_metric_are_two_rows_and_one_word_in_the_headline():
+    kept = ("cohesive_radius > 0.1 m always", "cohesive_radius < 0.6 m at the end")
+    analysis = analyse(closing(), AnalysisOptions(targets=kept))
+    assert headline(analysis.verdicts).count("cohesive radius on target") == 1
+    at_end = analysis.numbers["at_end_cohesive_radius"]
+    assert at_end.value == analysis.curves["cohesive_radius"][-1] == analysis.targets[1].value
+    assert (at_end.label, at_end.unit) == ("cohesive radius at the end", "m")
+    assert "on_target_cohesive_radius" in analysis.numbers
+    assert analysis.verdicts[1].because == ""  # the mean and range of the run are not of its end
+    mixed = analyse(closing(), AnalysisOptions(targets=(*kept, "cohesive_radius > 9 m")))
+    assert headline(mixed.verdicts).startswith("cohesive radius on 2 of 3 targets, ")
+
+
 @pytest.mark.parametrize(
     ("target", "met"),
     [
@@ -200,6 +217,24 @@ def test_what_is_undefined_is_neither_kept_nor_missed():
 def test_a_target_that_means_nothing_is_refused(target, said):
     with pytest.raises(ParameterError, match=said):
         outcome(closing(), target)
+
+
+def test_what_is_asked_stands_first_and_nothing_of_flocks_beside_it():
+    """A target of a flock's metric brings its plot back."""
+    options = AnalysisOptions(questions=Questions.FORMATION, targets=("shape_change < 5 cm",) * 2)
+    analysis = analyse(closing(), options)
+    assert list(analysis.numbers)[:3] == [
+        "on_target_shape_change",
+        "on_target_shape_change_2",
+        "shape_change_end",
+    ]
+    assert latex_table([analysis]).split(r"\midrule")[1].strip().startswith("change of shape")
+    drawn = page_data([analysis]).panels
+    assert "polarisation" not in {panel.key for panel in drawn}
+    assert drawn[0].lines == ((0.05, "target 0.05 m", True),)  # once, with its unit
+    assert "flock" not in re.sub(r"posflock\w*", "", render([analysis]).split("<script")[0])
+    flocks = dataclasses.replace(options, targets=("polarisation_motion > 0.9",))
+    assert "polarisation" in {panel.key for panel in page_data([analyse(closing(), flocks)]).panels}
 
 
 def test_figures_are_those_that_the_run_has_curves_for(monkeypatch, tmp_path):

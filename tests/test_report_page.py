@@ -219,6 +219,19 @@ def test_latex_escapes_names():
     assert table.count(r"\\") >= 10
 
 
+def test_latex_writes_exponents_and_signs_as_mathematics():
+    analysis = analysis_of()
+    tiny = {"speed": -7.61e-10, "smallest_distance": 1e-9}
+    numbers = {
+        key: dataclasses.replace(number, value=tiny.get(key, number.value))
+        for key, number in analysis.numbers.items()
+    }
+    table = latex_table([dataclasses.replace(analysis, numbers=numbers)])
+    assert r"mean speed & $-7.61\cdot10^{-10}$ m/s \\" in table
+    assert "two robots & $<$ 0.01 mm" in table
+    assert not set("^·−<") & set(re.sub(r"\$.*?\$", "", table))
+
+
 def test_the_whole_report_lies_in_its_folder(tmp_path, analysis):
     written = write_report([analysis], tmp_path / "deep" / "report", latex=True)
     figures = ("snapshots", "alignment", "distances", "motion")

@@ -41,6 +41,30 @@ def test_a_shape_is_kept_from_its_last_sample_beyond_five_centimetres():
     assert analysis.numbers["shape_change_end"].value == change[-3:].max()
 
 
+def test_a_shape_and_a_target_are_counted_from_the_end_of_the_drive_to_the_start():
+    """The same run, once with the drive that is no part of it: all times and the end are the same.
+
+    In the drive robots stand in their last shape, which must count for neither.
+    """
+    places = opening()
+    targets = ("shape_change < 0.05 m always after 2 s", "shape_change < 0.05 m")
+    options = AnalysisOptions(questions=Questions.FORMATION, targets=targets)
+    short = analyse(team(places), options=options)
+    whole = np.concatenate([np.repeat(places[-1:], 40, axis=0), places])
+    poses = np.zeros((61, 3, 3))
+    poses[:, :2] = whole
+    said = {"arena": [-9.0, 9.0, -9.0, 9.0], "drive": 40.0}
+    long = analyse(Run("by hand", np.arange(61.0), poses, parameters=said), options=options)
+    for key in ("shape_kept_from", "shape_change_end"):
+        assert long.numbers[key].value == pytest.approx(short.numbers[key].value)
+    kept = short.numbers["shape_kept_from"].value
+    answers = {v.question: f"{v.answer} {v.because}" for v in long.verdicts}
+    since = f"from {kept:.1f} s after the drive to the start."
+    assert f"Yes, {since}" in answers["Did it take up a formation and keep it?"]
+    assert f"For good {since}" in answers["shape_change < 0.05 m?"]
+    assert f"For good from {kept:.1f} s on." in short.verdicts[1].because
+
+
 @pytest.mark.parametrize("asked", [Questions.FLOCKING, Questions.COVERAGE, Questions.NONE])
 def test_no_shape_is_told_where_nobody_asks(asked):
     options = AnalysisOptions(questions=asked, radius=0.75)

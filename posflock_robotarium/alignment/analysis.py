@@ -262,7 +262,7 @@ def analyse(
         generation=run.recording.logged_robot.words,
         estimators={name: run.motion(name).description for name in ESTIMATORS},
         curves=curves_of(run),
-        numbers=numbers | numbers_of_targets(targets),
+        numbers=numbers_of_targets(targets) | numbers,  # what was asked, first
         events=tuple(run.once(faults_of).events),
         verdicts=verdicts_of(
             recording,

@@ -22,11 +22,15 @@ Reduction = Literal["mean", "smallest", "largest"]
 REDUCTIONS: tuple[Reduction, ...] = get_args(Reduction)
 NumberFunction = Callable[[MeasuredRun], float | None]
 
+OWN_GROUP = "Own metrics"
+"""Heading of the metrics of a user's own files, before all others."""
+
 GROUPS = (
-    *("Run", "Alignment", "Motion", "Cohesion", "Formation", "Coverage"),
+    *("Formation", "Coverage", "Run", "Alignment", "Motion", "Cohesion"),
     *("Safety", "Certificate", "Confidence"),
 )
-"""Headings of the table of numbers, in reading order; a heading that is new follows them."""
+"""Headings of the table of numbers, in reading order: first what is told only where it is asked. A
+heading that is new follows them."""
 
 
 @dataclass(frozen=True)
@@ -265,7 +269,9 @@ def metrics() -> dict[str, Metric]:
 
 def scalars() -> dict[str, Scalar]:
     """Return every number by its key, in the order of the summary's table."""
-    groups = list(dict.fromkeys([*GROUPS, *(scalar.group for scalar in _SCALARS.values())]))
+    groups = list(
+        dict.fromkeys([OWN_GROUP, *GROUPS, *(scalar.group for scalar in _SCALARS.values())])
+    )
     ordered = sorted(_SCALARS.items(), key=lambda item: groups.index(item[1].group))
     return dict(ordered)
 

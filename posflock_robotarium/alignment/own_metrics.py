@@ -29,6 +29,7 @@ import numpy as np
 from posflock_robotarium.alignment.answers import checked_answer
 from posflock_robotarium.alignment.measured_run import Floats, MeasuredRun
 from posflock_robotarium.alignment.metric_registry import (
+    OWN_GROUP,
     REDUCTIONS,
     Metric,
     Number,
@@ -50,9 +51,6 @@ from posflock_robotarium.alignment.users_code import (
 from posflock_robotarium.flocking.errors import ParameterError
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
-
-OWN_GROUP = "Own metrics"
-"""Heading of these in the table of numbers."""
 
 
 def metric(

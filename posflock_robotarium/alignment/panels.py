@@ -74,7 +74,7 @@ DISTANCE = Panel(
 WALLS = Panel("walls", "Distance to the nearest wall", "m", lines=(Line("wall"),))
 COHESION = Panel("cohesion", "Cohesion", "m", (0.0, None))
 CONNECTIVITY = Panel("connectivity", "Connectivity", "", (0.0, None))
-HEADING = Panel("heading", "Heading of the flock", "rad")
+HEADING = Panel("heading", "Heading of the team", "rad")
 SEEN = Panel("seen", "Robots seen", "", (0.0, None))
 CERTIFICATE = Panel("certificate", "Certificate", "m/s", (0.0, None))
 CLEARANCE = Panel("clearance", "Clearance", "m", lines=(Line("unsafe"),))
@@ -86,6 +86,9 @@ STEPS = Panel(
     (0.0, None),
     (Line("robots brake", lambda robot: WATCHDOG, always=False),),
 )
+
+OF_FLOCKS = (ALIGNMENT, LEFT_OUT, POLARISATION, HEADING)
+"""Plots that answer whether a flock aligned."""
 
 READING_ORDER = (
     FORMATION,

@@ -9,6 +9,7 @@ from barrier_certificates import ties
 from posflock_robotarium.alignment.catalogue.coverage import SPACING
 from posflock_robotarium.alignment.catalogue.formation import KEPT
 from posflock_robotarium.alignment.run_verdict import Mark, RunVerdict
+from posflock_robotarium.alignment.verdict_words import since_text
 
 MOVED = 0.05
 """Share of robots and time that must move for a shape to have been taken up."""
@@ -39,7 +40,8 @@ def kept_formation(v: Mapping[str, float]) -> RunVerdict:
             question, Mark.BAD, "No: distances change to the end.", because, "no shape"
         )
     if since > 0:
-        return RunVerdict(question, Mark.GOOD, f"Yes, from {since:.1f} s on.", because, "in shape")
+        answer = f"Yes, {since_text(since, v.get('drive_in_log', 0.0))}."
+        return RunVerdict(question, Mark.GOOD, answer, because, "in shape")
     if ties.beyond(v["standing"], 1.0 - MOVED):
         answer = "It kept the shape that it began with: nothing moves."
         return RunVerdict(question, Mark.CAUTION, answer, because, "stood in shape")

@@ -20,6 +20,7 @@ from posflock_robotarium.alignment.measured_run import MeasuredRun, weighted_mea
 from posflock_robotarium.alignment.metric_registry import Number
 from posflock_robotarium.alignment.run_verdict import Mark, RunVerdict
 from posflock_robotarium.alignment.targets import Relation, Target, When, parse_target
+from posflock_robotarium.alignment.verdict_words import since_text
 from posflock_robotarium.flocking.errors import ParameterError
 
 Floats = NDArray[np.float64]
@@ -183,7 +184,9 @@ def _over_time(
 
 
 def numbers_of_targets(outcomes: Sequence[TargetOutcome]) -> dict[str, Number]:
-    """Return the shares of time on target as numbers, so that runs can be compared by them.
+    """Return what targets are told by as numbers, so that runs can be compared by them.
+
+    That is the share of time on target, or what stands against the limit at the end or on average.
 
     Parameters
     ----------
@@ -193,43 +196,95 @@ def numbers_of_targets(outcomes: Sequence[TargetOutcome]) -> dict[str, Number]:
     Returns
     -------
     dict of Number
-        By key; none of targets that one number is held against.
+        By key; none of targets that a number of the run is held against, which stands there.
     """
     found: dict[str, Number] = {}
     for outcome in outcomes:
-        if outcome.share is None:
+        when, after = _when(outcome)
+        if outcome.share is not None:
+            wanted = f"on_target_{outcome.metric}"
+            number = Number(
+                f"time on target: {outcome.target}",
+                outcome.share,
+                "share",
+                "Share of the time that the target speaks of, during which the metric kept to the "
+                "limit; undefined samples did not.",
+                TARGET_GROUP,
+            )
+        elif outcome.value is not None and when in _ONE_VALUE:
+            wanted = f"{_ONE_VALUE[when]}_{outcome.metric}"
+            number = Number(
+                f"{outcome.label} {when.value}{after}",
+                outcome.value,
+                outcome.unit,
+                f"Held against the target {outcome.target}.",
+                TARGET_GROUP,
+            )
+        else:
             continue
-        key, count = f"on_target_{outcome.metric}", 2
+        key, count = wanted, 2
         while key in found:
-            key, count = f"on_target_{outcome.metric}_{count}", count + 1
-        found[key] = Number(
-            f"time on target: {outcome.target}",
-            outcome.share,
-            "share",
-            "Share of the time that the target speaks of, during which the metric kept to the "
-            "limit; undefined samples did not.",
-            TARGET_GROUP,
-        )
+            key, count = f"{wanted}_{count}", count + 1
+        found[key] = number
     return found
+
+
+_ONE_VALUE = {When.END: "at_end", When.AVERAGE: "on_average"}
+"""Times at which one value of a curve stands against the limit, as they begin a number's key."""
+
+
+def _when(outcome: TargetOutcome) -> tuple[When, str]:
+    """Return at which times a target must hold, and after which, in words."""
+    target = parse_target(outcome.target)
+    after = f", after {target.after:g} s" if target.after and target.when is not When.END else ""
+    return target.when, after
+
+
+def verdicts_of_targets(outcomes: Sequence[TargetOutcome], drive: float = 0.0) -> list[RunVerdict]:
+    """Return what is said of each target; of the targets of one metric the headline speaks once.
+
+    Parameters
+    ----------
+    outcomes : sequence of TargetOutcome
+        Of one run.
+    drive : float
+        Seconds of the log before the experiment began, from which its times count.
+    """
+    by_metric: dict[str, list[TargetOutcome]] = {}
+    for outcome in outcomes:
+        by_metric.setdefault(outcome.metric, []).append(outcome)
+    verdicts = []
+    for outcome in outcomes:
+        alike, verdict = by_metric[outcome.metric], verdict_of(outcome, drive)
+        if alike[0] is not outcome:
+            verdict = replace(verdict, short="")
+        elif len({one.met for one in alike}) > 1:
+            met = sum(one.met is True for one in alike)
+            short = f"{outcome.label} on {met} of {len(alike)} targets"
+            verdict = replace(verdict, short=short)
+        verdicts.append(verdict)
+    return verdicts
 
 
 _MARKS = {True: Mark.GOOD, False: Mark.BAD, None: Mark.UNKNOWN}
 _SHORT = {True: "on target", False: "off target", None: "unknown"}
 
 
-def verdict_of(outcome: TargetOutcome) -> RunVerdict:
+def verdict_of(outcome: TargetOutcome, drive: float = 0.0) -> RunVerdict:
     """Return what is said of one target.
 
     Parameters
     ----------
     outcome : TargetOutcome
         How the run did by it.
+    drive : float
+        Seconds of the log before the experiment began, from which its times count.
     """
     return RunVerdict(
         f"{outcome.target}?",
         _MARKS[outcome.met],
         _answer(outcome),
-        _because(outcome),
+        _because(outcome, drive),
         f"{outcome.label} {_SHORT[outcome.met]}",
     )
 
@@ -248,14 +303,16 @@ def _answer(outcome: TargetOutcome) -> str:
     return f"{yes}: {only}for {_percent(outcome.share)} of the time."
 
 
-def _because(outcome: TargetOutcome) -> str:
+def _because(outcome: TargetOutcome, drive: float) -> str:
     said = [outcome.why_unknown] if outcome.met is None else []
     if outcome.share and outcome.share < 1.0:
         kept = outcome.kept_from
-        said.append("It ends off target." if kept is None else f"For good from {kept:.1f} s on.")
+        said.append(
+            "It ends off target." if kept is None else f"For good {since_text(kept, drive)}."
+        )
     if outcome.undefined and outcome.met is not None:
         said.append(f"Undefined for {_percent(outcome.undefined)} of the time.")
-    if outcome.mean is not None:
+    if outcome.mean is not None and _when(outcome)[0] is not When.END:  # told of more than that
         mean, low, high = (
             _with_unit(value, outcome.unit)
             for value in (outcome.mean, outcome.smallest, outcome.largest)

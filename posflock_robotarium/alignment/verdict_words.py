@@ -37,6 +37,19 @@ def share_text(share: float) -> str:
     return f"{percent:.0f} %"
 
 
+def since_text(seconds: float, drive: float) -> str:
+    """Return since when something holds, and from where that is counted.
+
+    Parameters
+    ----------
+    seconds : float
+        Since the experiment began.
+    drive : float
+        Seconds of the log before that, in which robots drove to the start; 0 where there are none.
+    """
+    return f"from {seconds:.1f} s {'after the drive to the start' if drive else 'on'}"
+
+
 def bias_text(bias: float) -> str:
     """Return by how much γ is under-read, in one digit.
 

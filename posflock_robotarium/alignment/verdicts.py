@@ -18,9 +18,10 @@ from posflock_robotarium.alignment.metrics import SMOOTHING_POINTS
 from posflock_robotarium.alignment.questions import Questions
 from posflock_robotarium.alignment.run_verdict import Mark, RunVerdict
 from posflock_robotarium.alignment.shape_verdicts import covered, kept_formation
-from posflock_robotarium.alignment.target_outcomes import TargetOutcome, verdict_of
+from posflock_robotarium.alignment.target_outcomes import TargetOutcome, verdicts_of_targets
 from posflock_robotarium.alignment.verdict_words import gamma_text as _g
 from posflock_robotarium.alignment.verdict_words import share_text as _pc
+from posflock_robotarium.alignment.verdict_words import since_text
 from posflock_robotarium.alignment.whole_run import whole_run_verdict
 from posflock_robotarium.logs.plausibility import Sightings, sightings_of
 from posflock_robotarium.logs.run import Run
@@ -76,7 +77,7 @@ def verdicts_of(
     if found is None:
         found = sightings_of(recording, recording.t, counted=not recording.timed)
     losses = losses_of(recording, found)
-    verdicts = [verdict_of(target) for target in targets]
+    verdicts = verdicts_of_targets(targets, value.get("drive_in_log", 0.0))
     flocking = questions is Questions.FLOCKING
     if flocking:
         verdicts += [
@@ -190,11 +191,15 @@ def _when(v: Mapping[str, float], threshold: float) -> str:
     if math.isnan(v["time_to_alignment_motion"]):
         return f"γ from motion never reached {threshold:g}."
     for_good = v["time_aligned_for_good_motion"]
-    lasting = "" if math.isnan(for_good) else f", and from {for_good:.1f} s on for good"
+    lasting = "" if math.isnan(for_good) else f", and for good {_since(v, for_good)}"
     return (
         f"γ from motion was {threshold:g} or more for {_pc(v['share_aligned_motion'])} of the "
         f"run{lasting}."
     )
+
+
+def _since(v: Mapping[str, float], seconds: float) -> str:
+    return since_text(seconds, v.get("drive_in_log", 0.0))
 
 
 def _together(v: Mapping[str, float], losses: Losses) -> RunVerdict:

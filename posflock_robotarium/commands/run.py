@@ -133,4 +133,8 @@ def lint(
         else:
             with written_together(out.parent) as draft:
                 write_whole(draft / out.name, new)
+            changed = len({finding.line for finding in findings if finding.edits})
+            left_over = len({(one.file, one.line) for one in findings if one.by_hand})
+            lines = f"{changed} line{'' if changed == 1 else 's'}"
+            say(f"wrote {out}: {lines} changed, {left_over} to change by hand", err=True)
     raise typer.Exit(1 if needed else 0)

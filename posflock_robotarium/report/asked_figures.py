@@ -10,6 +10,7 @@ from posflock_robotarium.alignment.analysis import Analysis
 from posflock_robotarium.alignment.catalogue import metrics
 from posflock_robotarium.alignment.panels import COVERAGE, FORMATION
 from posflock_robotarium.figures.style import BLACK
+from posflock_robotarium.report.words import target_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -46,7 +47,7 @@ def target_lines(axes: Axes, analyses: Sequence[Analysis], keys: Sequence[str]) 
     """
     limits = {(t.limit, t.unit): None for run in analyses for t in run.targets if t.metric in keys}
     for (limit, unit), dash in zip(limits, cycle([(0, (4, 1.5)), (0, (1, 1))])):
-        label = unmathematical(f"target {limit:g} {unit}".strip())
+        label = unmathematical(target_text(limit, unit))
         axes.axhline(limit, color=BLACK, linewidth=0.8, linestyle=dash, label=label)
 
 

@@ -381,13 +381,13 @@ def _mark_drive(axes: Axes, analysis: Analysis) -> None:
     tallest = axes.figure.axes[0]
     tallest.text(
         analysis.start,
-        0.02,
-        "drive to the start ",
+        0.98,
+        "drive to the start",
         transform=tallest.get_xaxis_transform(),
         fontsize=6,
         color="#555555",
         ha="right",
-        va="bottom",
+        va="top",
         rotation=90,
     )
 

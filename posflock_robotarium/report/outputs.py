@@ -19,7 +19,7 @@ from posflock_robotarium.alignment.comparison import Comparison, compare, labell
 from posflock_robotarium.alignment.fewest_runs import FEWEST_RUNS
 from posflock_robotarium.alignment.reference_errors import ErrorStatistics, ReferenceErrors
 from posflock_robotarium.report.page import write_page
-from posflock_robotarium.report.words import numbers_text
+from posflock_robotarium.report.words import SUPERSCRIPTS, numbers_text
 from rps_compat.whole_files import (
     atomic_write,
     listed_in,
@@ -253,6 +253,8 @@ _LATEX = {
     "~": r"\textasciitilde{}",
     "^": r"\textasciicircum{}",
     "γ": r"$\gamma$",
+    "<": "$<$",
+    ">": "$>$",
     "≥": r"$\geq$",
     "−": r"$-$",
     "–": "--",
@@ -264,7 +266,17 @@ _LATEX = {
 }
 
 
+#: A number as `words.number_text` writes it that has an exponent.
+_POWER = re.compile("(−?)([0-9.]+)·10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)")
+_PLAIN = {raised: letter for letter, raised in SUPERSCRIPTS.items()}
+
+
 def _latex(text: str) -> str:
+    power = _POWER.search(text)
+    if power is not None:
+        sign, mantissa, exponent = power.groups()
+        number = rf"${sign and '-'}{mantissa}\cdot10^{{{exponent.translate(_PLAIN)}}}$"
+        return _latex(text[: power.start()]) + number + _latex(text[power.end() :])
     return re.sub(" (\\\\,)", r"\1", "".join(_LATEX.get(letter, letter) for letter in text))
 
 

@@ -18,11 +18,12 @@ from posflock_robotarium import __version__
 from posflock_robotarium.alignment.analysis import Analysis
 from posflock_robotarium.alignment.catalogue import Number, panels, scalars
 from posflock_robotarium.alignment.comparison import Comparison, compare
-from posflock_robotarium.alignment.own_metrics import OWN_GROUP
+from posflock_robotarium.alignment.metric_registry import OWN_GROUP
 from posflock_robotarium.alignment.target_outcomes import TARGET_GROUP
 from posflock_robotarium.alignment.verdicts import headline
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.pages import SHARED_SCRIPTS, SHARED_STYLE, asset
+from posflock_robotarium.report.asked_panels import of_flocks
 from posflock_robotarium.report.following_page import following_section
 from posflock_robotarium.report.page_data import EVENTS_SHOWN, page_data
 from posflock_robotarium.report.tables import row_texts
@@ -30,7 +31,7 @@ from posflock_robotarium.report.words import number_text, unbroken
 from rps_compat.whole_files import write_whole
 
 #: Headings of the table of numbers that are open at first: what somebody looks for.
-_OPENED = ("Alignment", "Formation", "Coverage", "Safety", OWN_GROUP, TARGET_GROUP)
+_OPENED = ("Formation", "Coverage", "Safety", OWN_GROUP, TARGET_GROUP)
 
 
 def render(analyses: Sequence[Analysis], comparison: Comparison | None = None) -> str:
@@ -103,7 +104,7 @@ def render(analyses: Sequence[Analysis], comparison: Comparison | None = None) -
             for scalar in scalars().values()
             if scalar.column and any(scalar.key in analysis.numbers for analysis in analyses)
         ],
-        opened=_OPENED,
+        opened=(*_OPENED, *(["Alignment"] if of_flocks(analyses) else [])),
         has_neighbours=any(analysis.options.radius is not None for analysis in analyses),
         rows=[]
         if comparison is None

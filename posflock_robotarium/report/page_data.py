@@ -18,8 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.alignment.analysis import Analysis
-from posflock_robotarium.alignment.catalogue import Metric, Panel, metrics, panels
+from posflock_robotarium.alignment.catalogue import Metric, Panel, metrics
 from posflock_robotarium.figures.look import OF_ESTIMATOR, estimator_of
+from posflock_robotarium.report.asked_panels import asked_panels
+from posflock_robotarium.report.words import target_text
 from rps_compat.violations import FaultKind
 
 Floats = NDArray[np.float64]
@@ -228,11 +230,13 @@ def page_data(analyses: Sequence[Analysis]) -> PageData:
         drive = first.start if first.start > time[0] else None
         if (clock := first.recording.real_time) is not None:
             real_time = _b64((clock - clock[0])[::stride].astype(np.float32))
-        drawn = [_plot(panel, shown, first, stride) for panel, shown in panels()]
+        drawn = [_plot(panel, shown, first, stride) for panel, shown in asked_panels(analyses)]
     else:
         last = max(float(a.recording.t[-1] - a.recording.t[0]) for a in analyses)
         time = np.linspace(0.0, last, COMMON_SAMPLES, dtype=np.float64)
-        drawn = [_overlay(panel, shown[0], analyses, time) for panel, shown in panels()]
+        drawn = [
+            _overlay(panel, shown[0], analyses, time) for panel, shown in asked_panels(analyses)
+        ]
     return PageData(
         runs=runs,
         time=_b64(np.asarray(time, dtype=np.float32)),
@@ -359,9 +363,8 @@ def _described(
 ) -> Plot:
     lines = tuple((line.level(first.robot), line.label, line.always) for line in panel.lines)
     keys = {metric.key for metric in shown}
-    lines += tuple(
-        (t.limit, f"target {t.limit:g}", True) for t in first.targets if t.metric in keys
-    )
+    limits = dict.fromkeys((t.limit, t.unit) for t in first.targets if t.metric in keys)
+    lines += tuple((limit, target_text(limit, unit), True) for limit, unit in limits)
     return Plot(panel.key, title, panel.unit, panel.limits, lines, tuple(series))
 
 

@@ -7,6 +7,11 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+LEAST_LENGTH = 5e-6
+"""Metres below which a length is as good as none: nothing on the testbed is known so well."""
+
 
 def number_text(value: float, unit: str = "") -> str:
     """Return a number with its unit, for tables and pages.
@@ -17,12 +22,14 @@ def number_text(value: float, unit: str = "") -> str:
         NaN reads as a dash: undefined.
     unit : str
         ``share`` is shown in per cent; lengths below a centimetre in millimetres, angles in
-        degrees too.
+        degrees too. Of lengths below `LEAST_LENGTH` no digits are told.
 
     Examples
     --------
     >>> number_text(0.0004871, "m")
     '0.487 mm'
+    >>> number_text(7.61e-13, "m"), number_text(7.61e-10, "m/s")
+    ('< 0.01 mm', '7.61·10⁻¹⁰ m/s')
     >>> number_text(0.5, "share")
     '50.0 %'
     >>> number_text(float("nan"))
@@ -34,6 +41,8 @@ def number_text(value: float, unit: str = "") -> str:
         return f"{100 * value:.1f} %"
     if math.isinf(value):
         return "∞" if value > 0 else "−∞"
+    if unit == "m" and 0 < value < LEAST_LENGTH:
+        return "< 0.01 mm"
     if unit == "m" and 0 < abs(value) < 0.01:
         return f"{_significant(1000 * value)} mm"
     if unit == "rad":
@@ -60,6 +69,25 @@ def numbers_text(values: Sequence[float], unit: str = "") -> list[str]:
     """
     form = _form(values, unit) if len(values) > 1 else None
     return [number_text(v, unit) if form is None else form.text(v) for v in values]
+
+
+def target_text(limit: float, unit: str) -> str:
+    """Return what stands at the line of a target.
+
+    Parameters
+    ----------
+    limit : float
+        What the metric is held against.
+    unit : str
+        Of the metric; empty for pure numbers.
+
+    Examples
+    --------
+    >>> target_text(0.05, "m"), target_text(0.9, "share")
+    ('target 0.05 m', 'target 90 %')
+    """
+    value, unit = (100 * limit, "%") if unit == "share" else (limit, unit)
+    return f"target {value:g} {unit}".strip()
 
 
 def difference_text(difference: float, beside: Sequence[float], unit: str = "") -> str:
@@ -144,7 +172,7 @@ def _significant(value: float) -> str:
     size = abs(value)
     if size >= 1e5 or size < 1e-4:
         mantissa, exponent = f"{value:.2e}".split("e")
-        return f"{mantissa}·10^{int(exponent)}".replace("-", "−")
+        return f"{mantissa}·10{str(int(exponent)).translate(SUPERSCRIPTS)}".replace("-", "−")
     digits = max(0, 3 - 1 - math.floor(math.log10(size)))
     return f"{value:.{digits}f}".replace("-", "−")
 

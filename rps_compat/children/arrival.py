@@ -46,7 +46,13 @@ def join_run(as_worker: bool = False) -> None:
         realism=refuse or (None if profile is None else profile.start),
         pace=clock if plan.headless else None,
     )
-    about = {"script": plan.script, "generation": plan.generation, "seed": plan.seed}
+    about = {
+        "script": plan.script,
+        "generation": plan.generation,
+        "seed": plan.seed,
+        "simulated": True,
+        "profile": "ideal" if profile is None else profile.name,
+    }
     out = None if plan.out is None else Path(plan.out)
     family = Family(plan, session, Recording(out, refuse or open_log, about))
     _surroundings.enter_context(repeatable(plan.seed))

@@ -148,6 +148,8 @@ class _Run:
             "script": self.script.name,
             "generation": plan.generation,
             "seed": plan.script_seed,
+            "simulated": True,
+            "profile": plan.profile_name,
         }
         with contextlib.suppress(OSError):  # that it cannot be read is told when it is run
             about["sha256"] = sum_of(self.script)

@@ -121,7 +121,7 @@ register(
         "algebraic_connectivity",
         "algebraic connectivity",
         "",
-        "Second smallest eigenvalue of the neighbour graph's Laplacian: 0 when the flock has "
+        "Second smallest eigenvalue of the neighbour graph's Laplacian: 0 when the team has "
         "parted, N when every robot neighbours every other.",
         _algebraic,
         "smallest",

@@ -78,17 +78,17 @@ def _offset(run: MeasuredRun) -> Floats | None:
 
 def _first(run: MeasuredRun) -> float | None:
     found = run.once(_coverage)
-    return None if found is None else float(found.distance[0])
+    return None if found is None else float(found.distance[int(np.searchsorted(run.t, run.start))])
 
 
 def _last(run: MeasuredRun) -> float | None:
     found = run.once(_coverage)
-    return None if found is None else run.mean(np.where(ending(run.t), found.distance, np.nan))
+    return None if found is None else run.mean(np.where(ending(run), found.distance, np.nan))
 
 
 def _last_offset(run: MeasuredRun) -> float | None:
     found = run.once(_coverage)
-    return None if found is None else float(np.fmax.reduce(found.offset[ending(run.t)]))
+    return None if found is None else float(np.fmax.reduce(found.offset[ending(run)]))
 
 
 def _number(
@@ -112,7 +112,7 @@ register(
             _number(
                 "coverage_start",
                 "mean distance of a place from the nearest robot, at the start",
-                "At the first pose.",
+                "At the first pose, after the drive to the start where the log has one.",
                 _first,
             ),
             _number(

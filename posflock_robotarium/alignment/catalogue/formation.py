@@ -23,20 +23,21 @@ KEPT = 0.05
 robots to their places."""
 
 
-def ending(t: Floats) -> NDArray[np.bool_]:
-    """Return which samples are the end of a run, its last tenth.
+def ending(run: MeasuredRun) -> NDArray[np.bool_]:
+    """Return which samples are the end of a run, the last tenth of its experiment.
 
     Parameters
     ----------
-    t : (T,) array
-        Times, s.
+    run : MeasuredRun
+        Whose drive to the start, where the log has one, is no part of the experiment.
 
     Returns
     -------
     (T,) boolean array
         Whether each sample is.
     """
-    return np.asarray(ties.reached(t, t[-1] - LAST_SHARE * (t[-1] - t[0])))
+    t = run.t
+    return np.asarray(ties.reached(t, t[-1] - LAST_SHARE * (t[-1] - run.start)))
 
 
 def _shape_change(run: MeasuredRun) -> Floats | None:
@@ -45,7 +46,7 @@ def _shape_change(run: MeasuredRun) -> Floats | None:
     first, second = np.triu_indices(run.robots, 1)
     x, y = run.positions[:, 0], run.positions[:, 1]
     apart = np.hypot(x[:, first] - x[:, second], y[:, first] - y[:, second])
-    off = np.square(apart - _mean(apart[ending(run.t)], axis=0))
+    off = np.square(apart - _mean(apart[ending(run)], axis=0))
     change: Floats = np.sqrt(_mean(off, axis=1))
     return change
 
@@ -62,14 +63,14 @@ def _kept_from(run: MeasuredRun) -> float | None:
     change = run.curve("shape_change")
     if change is None:
         return None
-    off = np.flatnonzero(ties.beyond(change, KEPT))
+    off = np.flatnonzero(ties.beyond(change, KEPT) | ties.short_of(run.t, run.start))
     first = int(off[-1]) + 1 if off.size else 0
-    return float(run.t[first] - run.t[0]) if first < len(run.t) else float("nan")
+    return float(run.t[first] - run.start) if first < len(run.t) else float("nan")
 
 
 def _at_end(run: MeasuredRun) -> float | None:
     change = run.curve("shape_change")
-    return None if change is None else float(np.fmax.reduce(change[ending(run.t)]))
+    return None if change is None else float(np.fmax.reduce(change[ending(run)]))
 
 
 register(
@@ -99,7 +100,8 @@ register(
                 "shape_kept_from",
                 "time from which the shape is kept",
                 "s",
-                f"From the first pose until the change of shape stays at {KEPT:g} m or less; "
+                "From the first pose, or the end of the drive to the start where the log has one, "
+                f"until the change of shape stays at {KEPT:g} m or less; "
                 "undefined when the run ends above it.",
                 "Formation",
                 _kept_from,

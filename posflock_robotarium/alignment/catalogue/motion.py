@@ -45,7 +45,7 @@ register(
         "drift",
         "speed of the centroid",
         "m/s",
-        "Speed at which the flock as a whole travels.",
+        "Speed at which the team as a whole travels.",
         _drift,
         panel=SPEED,
         figure="motion",

@@ -71,7 +71,7 @@ register(
     ),
     Metric(
         "heading",
-        "heading of the flock",
+        "heading of the team",
         "rad",
         f"Angle of the mean heading vector; undefined where polarisation is below {SHARED:g}.",
         _heading,
@@ -79,7 +79,7 @@ register(
         numbers=(
             Scalar(
                 "heading_spread",
-                "spread of the flock's heading",
+                "spread of the team's heading",
                 "rad",
                 "Circular standard deviation over time of the mean heading {run.since}.",
                 "Alignment",

@@ -111,7 +111,7 @@ register(
         "centroid_displacement",
         "displacement of the centroid",
         "m",
-        "Straight line from the first to the last position of the flock's centroid; of a robot "
+        "Straight line from the first to the last position of the team's centroid; of a robot "
         "that is not seen throughout, between those at which it is.",
         "Motion",
         _displacement,

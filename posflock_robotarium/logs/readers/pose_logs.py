@@ -100,7 +100,7 @@ def run_of(file: Path, rows: NDArray[Any], bounds: Bounds = BOUNDS) -> Run:
     }
     real_time, why = _real_time(rows[:reached], t[:reached], parameters, str(file))
     return Run(
-        name=file.stem,
+        name=_called(file, parameters),
         t=t[:reached].copy(),
         poses=columns["pose"],
         commands=columns["command"],
@@ -148,6 +148,16 @@ def _how_it_ended(ending: Ending) -> list[str]:
     if ending.how is How.RUNNING:
         return ["never closed: the run was killed, or still goes on"]
     return [f"the run {ending.how.value}: {ending.reason or 'no reason recorded'}"]
+
+
+def _called(file: Path, parameters: dict[str, Any]) -> str:
+    """Return what a run is called: its file, or its script where the recorder named the file.
+
+    The recorder calls every log ``poses``, with what tells it from others of the run: ``poses-2``.
+    """
+    script, (name, dash, rest) = parameters.get("script"), file.stem.partition("-")
+    called = Path(script).stem if isinstance(script, str) else ""
+    return f"{called}{dash}{rest}" if name == "poses" and called else file.stem
 
 
 def _words(status: NDArray[Any]) -> NDArray[np.str_] | None:

@@ -282,8 +282,8 @@ function drawDrive(u, c) {
   c.save();
   c.globalAlpha = 0.6; c.fillStyle = colour.line; c.fillRect(from, top, to - from, height);
   c.globalAlpha = 1; c.fillStyle = colour.soft; c.font = `${11 * dot}px system-ui, sans-serif`;
-  c.textAlign = "left"; c.textBaseline = "bottom";
-  c.fillText("drive to the start", from + 4 * dot, top + height - 3 * dot);
+  c.textAlign = "left"; c.textBaseline = "top"; // levels and their labels are mostly below
+  c.fillText("drive to the start", from + 4 * dot, top + 3 * dot);
   c.restore();
 }
 function moveCursors(from) {
