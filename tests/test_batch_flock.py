@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from barrier_certificates.batch import numba_is_installed
+from posflock_robotarium.alignment.summary import summarise
 from posflock_robotarium.batch.batch_flock import BatchFlock
 from posflock_robotarium.batch.batch_trial import simulate_teams
 from posflock_robotarium.flocking.errors import ParameterError
@@ -13,6 +14,8 @@ from posflock_robotarium.flocking.flock import EXPERIMENT_CERTIFICATE, Flock
 from posflock_robotarium.flocking.paper_models import Model
 from posflock_robotarium.flocking.placement import random_poses
 from posflock_robotarium.simulation.flock_trial import simulate
+from posflock_robotarium.sweep.execution import batches, compute
+from posflock_robotarium.sweep.study import parse_study
 from rps_compat.late_profiles import late_certificate
 from rps_compat.profiles import load_profile
 
@@ -81,6 +84,25 @@ def test_a_team_is_the_same_in_any_company() -> None:
     for team in (1, 3):
         (alone,) = simulate_teams(Flock(), starts()[[team]], 3.5, seeds=[SEEDS[team]])
         np.testing.assert_allclose(together[team].true_poses, alone.true_poses, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("duration", [1.5, 10.0], ids=["numpy", "compiled"])
+def test_rows_of_a_study_are_those_of_single_trials(duration: float) -> None:
+    given = {"duration": duration, "profile": "gritsbot_x"}
+    study = parse_study({"experiment": "robots", "replications": 2, "parameters": given})
+    profile = load_profile("gritsbot_x")
+    (runs,) = batches(study.runs(), 32)
+    rows = compute("robots", runs)
+    for run, row in zip(study.runs(), rows, strict=True):
+        start = random_poses(9, np.random.default_rng(run.stream), side=1.0, spacing=0.3)
+        seed = int(run.stream.spawn(1)[0].generate_state(1, np.uint64)[0])
+        trial = simulate(Flock(), start, duration, realism=profile.start(), seed=seed)
+        expected = summarise(trial.truth()).as_dict()
+        for name in set(expected) - {"duration", "ended"}:
+            wanted = np.nan if expected[name] is None else expected[name]
+            np.testing.assert_allclose(row[name], wanted, rtol=0, atol=1e-9, err_msg=name)
+    (again,) = compute("robots", runs[1:])  # as where a batch fails, and is done run by run
+    assert again["mean_speed"] == pytest.approx(rows[1]["mean_speed"], abs=1e-12)
 
 
 def test_teams_that_start_too_close_are_told_of_once() -> None:
