@@ -113,7 +113,7 @@ class _Rows:
     def trial(self, team: int, flock: Flock, robot: RobotModel, seed: int) -> Trial:
         """Return the trial of one team."""
         steps = self.status.shape[1]
-        times: NDArray[np.float64] = np.arange(steps) * flock.time_step
+        times = np.asarray(np.arange(steps) * flock.time_step, dtype=np.float64)
         log = Run(
             name="flock",
             t=times,
