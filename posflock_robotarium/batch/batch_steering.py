@@ -75,11 +75,11 @@ class BatchSteering:
         self._choose(points, common)
         turning = self._sign * self.parameters.turn_rate * self.time_step
         self._angle += turning
-        return (
-            inputs + _turned(inputs.mean(axis=2), self._angle),
-            velocities + _turned(common, turning),
-            turning,
-        )
+        if self._angle.any():
+            inputs = inputs + _turned(inputs.mean(axis=2), self._angle)
+        if turning.any():
+            velocities = velocities + _turned(common, turning)
+        return inputs, velocities, turning
 
     def _choose(self, points: Floats, common: Floats) -> None:
         """Choose which way each team turns now: 1, -1, or 0 for straight on."""
