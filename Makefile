@@ -136,6 +136,7 @@ bench-paper: $(VENV)/.dev  ## the paper's table over seeds, what flocks and swee
 
 bench-batch: $(VENV)/.dev  ## thousands of teams at once: JAX=python-with-jax SIMULATOR=folder-of-rps_jax, else without
 	$(BIN)/python benchmarks/batch_speed.py $(if $(JAX),--jax $(JAX) --simulator $(SIMULATOR))
+	$(BIN)/python benchmarks/batch_flock_speed.py
 
 bench-reality: $(VENV)/.dev  ## predictions against real runs: REAL=folder of fetched repositories, else skipped
 	$(BIN)/python benchmarks/reality.py $(REAL)

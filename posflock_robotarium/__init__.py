@@ -7,6 +7,7 @@ __version__ = "1.0.0"
 
 __all__ = [
     "alignment",
+    "batch",
     "calibration",
     "event_calibration",
     "examples",

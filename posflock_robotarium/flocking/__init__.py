@@ -6,6 +6,7 @@ paper_models        the three models that the paper compares, by name
 neighbour_memory    who is a neighbour, with a margin: nobody flickers at the radius
 steering            what turns the flock as a whole away from the walls
 pose_filter         poses as they are now, out of poses as they were logged
+drive_limits        what the motors can do, and velocities shortened to it
 flock               the law on wheels: turned into commands, certified, once a step
 attendance          who may look at a flock between two steps, and change its law
 placement           starts that fit into the arena
@@ -23,6 +24,7 @@ unique there, and none is a library's.
 __all__ = [
     "attendance",
     "constants_on_board",
+    "drive_limits",
     "errors",
     "flock",
     "law",

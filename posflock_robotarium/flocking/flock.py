@@ -36,11 +36,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from barrier_certificates import ties
-from barrier_certificates.guarantee import largest_gain, largest_wall_gain
 from barrier_certificates.projection import Status
-from barrier_certificates.rows import VelocityPolygon
 from barrier_certificates.unicycle import UnicycleCertificate
 from posflock_robotarium.flocking import attendance
+from posflock_robotarium.flocking.drive_limits import limits_of, within_limits
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.law import (
     PAPER_EXPERIMENT,
@@ -180,7 +179,7 @@ class Flock:
         if certificate.speed_limit is None and certificate.wheel_limit is None:
             raise ParameterError("certificate: expected a speed_limit or a wheel_limit; got none")
         self.certificate = replace(certificate, time_step=time_step)  # with a memory of its own
-        self._limits = _limits_of(self.certificate)
+        self._limits = limits_of(self.certificate)
         self._all_rows = replace(self.certificate, pair_rows=True)
         self._neighbours = NeighbourMemory(law.radius, neighbour_hysteresis)
         self._steering = ArenaSteering(self.steering, *_arena(certificate), time_step)
@@ -225,6 +224,11 @@ class Flock:
         self.retuned.append({"time": time, "law": law.as_dict(), "model": model.value})
 
     @property
+    def hysteresis(self) -> float:
+        """How far within the radius a robot has to come to count again as a neighbour, m."""
+        return self._neighbours.hysteresis
+
+    @property
     def arena(self) -> tuple[float, float, float, float]:
         """Where it keeps the robots: least and greatest x, least and greatest y, m."""
         return self._steering.arena
@@ -240,7 +244,7 @@ class Flock:
             "steering": asdict(self.steering) if self.walls == "steer" else None,
             "filtering": asdict(self.filter.parameters),
             "neighbour_radius": self.law.as_dict()["radius"],
-            "neighbour_hysteresis": self._neighbours.hysteresis,
+            "neighbour_hysteresis": self.hysteresis,
             "arena": list(self.arena),
         }
 
@@ -299,7 +303,8 @@ class Flock:
         if self.certificate.answers_late:  # by what is seen, not by what is filtered
             certified = self.certificate.stops(seen)
             ahead = np.array([np.cos(certified[2]), np.sin(certified[2])])
-        applied, info = self.certificate.project(self._within_limits(w, ahead), certified)
+        possible = within_limits(w, ahead, self._limits)
+        applied, info = self.certificate.project(possible, certified)
         if info.unsafe_start:
             warnings.warn(
                 f"{info.nearest} start {1e3 * -info.clearance:.3g} mm closer than the certificate"
@@ -318,14 +323,6 @@ class Flock:
             active=info.active,
             turning=turning,
         )
-
-    def _within_limits(self, velocity: Floats, ahead: Floats) -> Floats:
-        """Return velocities (2, N) shortened to what the motors can do, their directions kept."""
-        beside = np.array([-ahead[1], ahead[0]])
-        body = np.array([(velocity * ahead).sum(axis=0), (velocity * beside).sum(axis=0)])
-        share = (self._limits.normals.T @ body / self._limits.bounds[:, None]).max(axis=0)
-        shortened: Floats = velocity / np.maximum(1.0, share)
-        return shortened
 
     def _clearance(self, poses: Floats) -> float:
         """Return the clearance of a team that nobody keeps apart."""
@@ -355,28 +352,6 @@ class Flock:
                 f" of robot {robot}"
             )
         return x
-
-
-def _limits_of(certificate: UnicycleCertificate) -> VelocityPolygon:
-    """Return what the motors can do, in the body frame; refuse gains beyond the time step."""
-    limits, step = certificate.polygon(), certificate.time_step
-    assert limits is not None  # a certificate that knows its time step has limits
-    speed = limits.top_speed()
-    wall_gain = certificate.barrier_gain if certificate.wall_gain is None else certificate.wall_gain
-    for name, gain, largest in (
-        (
-            "barrier_gain",
-            certificate.barrier_gain,
-            largest_gain(certificate.safety_radius, speed, step),
-        ),
-        ("wall_gain", wall_gain, largest_wall_gain(speed, step)),
-    ):
-        if gain > largest:
-            raise ParameterError(
-                f"certificate: {name} is {gain:g}; steps of {step:g} s at {speed:.3g} m/s admit"
-                f" {largest:.3g} at most, or robots may pass through what keeps them apart"
-            )
-    return limits
 
 
 def _arena(certificate: UnicycleCertificate) -> tuple[tuple[float, float, float, float], float]:

@@ -73,13 +73,7 @@ def simulate(
     ParameterError
         Where the start or the duration means nothing, or the robots' time step is not the flock's.
     """
-    if robot is None:
-        robot = replace(GRITSBOT_X, boundaries=flock.arena, time_step=flock.time_step)
-    if robot.time_step != flock.time_step:
-        raise ParameterError(
-            f"robot: its time step is {robot.time_step:g} s, and the flock's {flock.time_step:g} s;"
-            " make the flock with the robot's"
-        )
+    robot = robot_for(flock, robot)
     flock.reset()
     steps = flock.steps_in(duration)
     rng = np.random.default_rng(seed)
@@ -105,16 +99,53 @@ def simulate(
         status=rows["status"],
         intervention=rows["intervention"],
         clearance=rows["clearance"],
-        parameters=_described(flock, arena, steps, seed),
+        parameters=described(flock, robot, steps, seed),
     )
     return Trial(log, true_poses)
 
 
-def _described(flock: Flock, arena: Arena, steps: int, seed: int) -> dict[str, Any]:
-    """Return what a pose log would say of the run in its JSON."""
+def robot_for(flock: Flock, robot: RobotModel | None) -> RobotModel:
+    """Return the robots that a flock drives; refuse those of another time step.
+
+    Parameters
+    ----------
+    flock : Flock
+        Whose arena and time step they are to have.
+    robot : RobotModel or None
+        What was asked for; by default GRITSBot X in the flock's arena.
+
+    Raises
+    ------
+    ParameterError
+        Where the robots' time step is not the flock's.
+    """
+    if robot is None:
+        return replace(GRITSBOT_X, boundaries=flock.arena, time_step=flock.time_step)
+    if robot.time_step != flock.time_step:
+        raise ParameterError(
+            f"robot: its time step is {robot.time_step:g} s, and the flock's {flock.time_step:g} s;"
+            " make the flock with the robot's"
+        )
+    return robot
+
+
+def described(flock: Flock, robot: RobotModel, steps: int, seed: int) -> dict[str, Any]:
+    """Return what a pose log would say of a trial in its JSON.
+
+    Parameters
+    ----------
+    flock : Flock
+        Whose parameters decide the run.
+    robot : RobotModel
+        What it drove.
+    steps : int
+        How many.
+    seed : int
+        What imperfections were drawn from.
+    """
     return flock.parameters() | {
         "seed": seed,
         "simulated": True,
-        "robot": asdict(arena.robot),
+        "robot": asdict(robot),
         "ended": {"how": How.FINISHED.value, "reason": "", "rows": steps},
     }

@@ -8,13 +8,16 @@ from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
+from barrier_certificates.batch import numba_is_installed
 from posflock_robotarium.alignment.summary import summarise
+from posflock_robotarium.batch.batch_trial import simulate_teams
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.flock import Flock
 from posflock_robotarium.flocking.law import PAPER_EXPERIMENT
 from posflock_robotarium.flocking.placement import random_poses
-from posflock_robotarium.simulation.flock_trial import simulate
+from posflock_robotarium.simulation.flock_trial import Trial, simulate
 from posflock_robotarium.sweep.experiments import (
     Experiment,
     Outcome,
@@ -28,8 +31,15 @@ from rps_compat.bounded_files import read_bounded
 from rps_compat.profiles import NAMES, load_profile, profile_text
 from rps_compat.realism import Profile
 
+Floats = NDArray[np.float64]
+
 #: More robots than fit into the arena, and a day: what is beyond is a slip of the pen.
 _MOST_ROBOTS, _LONGEST = 1000, 86_400.0
+#: Seconds from which on a run is compiled, where numba is installed: a shorter one is over before
+#: compiled code is loaded. It hangs on the run alone, so that company changes no number.
+_COMPILED_FROM = 10.0
+#: Poses that trials keep in memory, 70 bytes each; pairs of robots that a processor's cache holds.
+_KEPT_POSES, _CACHED_PAIRS = 2_000_000, 1 << 15
 
 
 def _flock(parameters: Parameters) -> tuple[Flock, Profile]:
@@ -52,22 +62,57 @@ def _run_robots(parameters: Parameters, seeds: Sequence[np.random.SeedSequence])
     flock, profile = _flock(parameters)
     side, spacing = number(parameters, "side"), number(parameters, "spacing")
     robots, duration = int(number(parameters, "robots")), number(parameters, "duration")
+    together = _teams_at_once(robots, flock.steps_in(duration))
     found = []
-    for seed in seeds:
-        start = random_poses(robots, np.random.default_rng(seed), side=side, spacing=spacing)
-        (noise,) = seed.spawn(1)
-        trial = simulate(
-            flock,
-            start,
-            duration,
-            realism=profile.start(),
-            seed=int(noise.generate_state(1, np.uint64)[0]),
-        )
-        numbers = asdict(summarise(trial.truth()))
-        del numbers["ended"]
-        found.append({k: math.nan if v is None else float(v) for k, v in numbers.items()})
-        del found[-1]["duration"]
+    for at in range(0, len(seeds), together):
+        streams = seeds[at : at + together]
+        starts = [
+            random_poses(robots, np.random.default_rng(stream), side=side, spacing=spacing)
+            for stream in streams
+        ]
+        noises = [_noise_of(stream) for stream in streams]
+        found += [_outcome(trial) for trial in _trials(flock, profile, starts, noises, duration)]
     return found
+
+
+def _trials(
+    flock: Flock, profile: Profile, starts: list[Floats], noises: list[int], duration: float
+) -> list[Trial]:
+    """Compute trials, each to the same numbers in whatever company."""
+    compiled = duration >= _COMPILED_FROM and numba_is_installed()
+    if len(starts) == 1 and not compiled:  # bit for bit what numpy makes of many, and faster
+        return [simulate(flock, starts[0], duration, realism=profile.start(), seed=noises[0])]
+    return simulate_teams(
+        flock,
+        starts,
+        duration,
+        seeds=noises,
+        realism=profile,
+        engine="numba" if compiled else "numpy",
+        threads=1,  # a study has a process for each processor
+    )
+
+
+def _teams_at_once(robots: int, steps: int) -> int:
+    """Return how many teams advance together; this decides speed and memory, but no result."""
+    return max(1, min(_KEPT_POSES // (robots * steps), _CACHED_PAIRS // robots**2))
+
+
+def _noise_of(stream: np.random.SeedSequence) -> int:
+    """Return the seed of a run's imperfections: of the stream's first child, however often asked.
+
+    ``spawn`` would give another child when a batch that failed is computed again, run by run.
+    """
+    child = np.random.SeedSequence(stream.entropy, spawn_key=(*stream.spawn_key, 0))
+    return int(child.generate_state(1, np.uint64)[0])
+
+
+def _outcome(trial: Trial) -> Outcome:
+    numbers = asdict(summarise(trial.truth()))
+    del numbers["ended"]
+    outcome = {k: math.nan if v is None else float(v) for k, v in numbers.items()}
+    del outcome["duration"]
+    return outcome
 
 
 _ROBOTS: dict[str, Value] = {
@@ -86,6 +131,7 @@ register(
         _ROBOTS | PAPER_EXPERIMENT.as_dict(),
         _run_robots,
         headline=("gamma_motion", "smallest_distance"),
+        together=32,
         check=_flock,
         reads=_profile_text,
     )

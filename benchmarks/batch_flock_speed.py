@@ -1,0 +1,83 @@
+"""Nine-robot studies: runs computed together, as a sweep does, against one at a time.
+
+Both ways compute the same runs to the same rows, metrics included, one after the other in one
+process; compiled code is loaded before. Judged are the ratio of CPU times and the largest
+difference between rows. Exits 1 where a bar is missed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+import time
+from dataclasses import asdict
+
+import numpy as np
+from comparing import Table
+
+from posflock_robotarium.alignment.summary import summarise
+from posflock_robotarium.flocking.flock import Flock
+from posflock_robotarium.flocking.placement import random_poses
+from posflock_robotarium.simulation.flock_trial import simulate
+from posflock_robotarium.sweep.experiments import Outcome, find
+from posflock_robotarium.sweep.study import PlannedRun, Study, parse_study
+from rps_compat.profiles import load_profile
+
+LEAST_RATIO, MOST_DIFFERENCE = 5.0, 1e-9
+
+
+def study(runs: int, duration: float, profile: str) -> Study:
+    given = {"duration": duration, "profile": profile}
+    return parse_study({"experiment": "robots", "replications": runs, "parameters": given})
+
+
+def together(runs: list[PlannedRun]) -> list[Outcome]:
+    """Compute runs as a worker of a sweep does."""
+    return find("robots").run(runs[0].parameters, [run.stream for run in runs])
+
+
+def alone(run: PlannedRun, profile: str, duration: float) -> Outcome:
+    """Compute one run by a flock and an arena of its own."""
+    start = random_poses(9, np.random.default_rng(run.stream), side=1.0, spacing=0.3)
+    seed = int(run.stream.spawn(1)[0].generate_state(1, np.uint64)[0])
+    realism = load_profile(profile).start()
+    trial = simulate(Flock(), start, duration, realism=realism, seed=seed)
+    return asdict(summarise(trial.truth()))
+
+
+def difference(one: Outcome, other: Outcome) -> float:
+    """Return the largest difference between the numbers of two runs; infinite if one is unknown."""
+    largest = 0.0
+    for name, value in one.items():
+        expected = math.nan if other[name] is None else other[name]
+        if math.isnan(value) != math.isnan(expected):
+            return math.inf
+        if not math.isnan(value):
+            largest = max(largest, abs(value - expected))
+    return largest
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--runs", type=int, default=32)
+    parser.add_argument("--duration", type=float, default=120.0, help="s, 10 or more")
+    options = parser.parse_args()
+    table = Table()
+    together(study(1, 10.0, "ideal").runs())
+    for profile in ("ideal", "gritsbot_x"):
+        asked = study(options.runs, options.duration, profile)
+        began = time.process_time()
+        found = together(asked.runs())
+        between = time.process_time()
+        expected = [alone(run, profile, options.duration) for run in asked.runs()]
+        ratio = (time.process_time() - between) / (between - began)
+        largest = max(map(difference, found, expected))
+        called = f"{profile}, {options.runs} runs of {options.duration:g} s"
+        table.bar(f"{called}, times as fast", ratio, "≥", LEAST_RATIO)
+        table.bar(f"{called}, largest difference", largest, "≤", MOST_DIFFERENCE)
+    return table.exit_code()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
