@@ -57,6 +57,12 @@ def test_a_shape_and_a_target_are_counted_from_the_end_of_the_drive_to_the_start
     long = analyse(Run("by hand", np.arange(61.0), poses, parameters=said), options=options)
     for key in ("shape_kept_from", "shape_change_end"):
         assert long.numbers[key].value == pytest.approx(short.numbers[key].value)
+    for key in ("coverage_start", "coverage_end"):
+        first, second = (
+            analyse(one.recording, options=ASKED[Questions.COVERAGE]).numbers[key].value
+            for one in (short, long)
+        )
+        assert first == pytest.approx(second), key
     kept = short.numbers["shape_kept_from"].value
     answers = {v.question: f"{v.answer} {v.because}" for v in long.verdicts}
     since = f"from {kept:.1f} s after the drive to the start."
