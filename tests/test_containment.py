@@ -201,3 +201,10 @@ def test_a_torn_archive_is_told_without_being_loaded(tmp_path):
     content[500] ^= 1
     path.write_bytes(content)
     assert not read_back(path).readable
+
+
+def test_our_packages_can_be_read_where_only_a_hook_knows_of_them():
+    import rps_compat
+
+    ours = Path(rps_compat.__file__).resolve().parents[1]
+    assert str(ours) in python_folders(sys.executable)
