@@ -55,6 +55,7 @@ def assert_as_alone(flock: Flock, duration: float, profile: str, *engines: str) 
             assert found.log.parameters == expected.log.parameters
 
 
+@pytest.mark.slow  # compiles, where nobody has before
 @pytest.mark.parametrize("profile", ["ideal", "gritsbot_x"])
 def test_trials_of_a_batch_are_those_of_its_teams(profile: str) -> None:
     assert_as_alone(Flock(), 6.6, profile, *ENGINES)

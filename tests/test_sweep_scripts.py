@@ -22,7 +22,7 @@ from rps_compat.scripts.source import parse_script
 
 SCRIPT = '''"""Drives straight on; the names in functions are its own."""
 import numpy as np
-from helper import START
+from start_poses import START
 from rps.robotarium import Robotarium
 
 SPEED = 0.05  # m/s
@@ -58,7 +58,7 @@ if LABEL == "fails":
 def script(tmp_path):
     path = tmp_path / "straight.py"
     path.write_text(SCRIPT)
-    (tmp_path / "helper.py").write_text("import numpy as np\nSTART = np.zeros((3, 1))\n")
+    (tmp_path / "start_poses.py").write_text("import numpy as np\nSTART = np.zeros((3, 1))\n")
     return path
 
 
