@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from barrier_certificates import ties
-from posflock_robotarium.flocking.steering import SteeringParameters
+from posflock_robotarium.flocking.steering import SteeringParameters, turning_sign
 
 Floats = NDArray[np.float64]
 
@@ -91,20 +91,9 @@ class BatchSteering:
         call = np.maximum(0.0, self.parameters.reach - (gaps - self.margin))
         called = ties.beyond(call, 0.0).any(axis=1)
         self._sign[~called] = 0.0
+        clear = self.parameters.clear
         for team in np.flatnonzero(called).tolist():
-            self._sign[team] = self._way(self._sign[team], common[team].tolist(), call[team])
-
-    def _way(self, sign: float, common: list[float], call: Floats) -> float:
-        """Return which way a team turns that is near a wall."""
-        x, y = common
-        inward = (float(call[0] - call[1]), float(call[2] - call[3]))
-        along = x * inward[0] + y * inward[1]
-        lengths = math.hypot(x, y) * math.hypot(*inward)
-        if lengths > 0.0 and along >= self.parameters.clear * lengths:
-            return 0.0
-        if sign != 0.0:
-            return sign
-        return 1.0 if ties.reached(x * inward[1] - y * inward[0], 0.0) else -1.0
+            self._sign[team] = turning_sign(self._sign[team], common[team], call[team], clear)
 
 
 def _turned(common: Floats, angles: Floats) -> Floats:

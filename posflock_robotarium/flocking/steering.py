@@ -135,17 +135,35 @@ class ArenaSteering:
         x, y = points
         gaps = np.array([x.min() - left, right - x.max(), y.min() - bottom, top - y.max()])
         call = np.maximum(0.0, self.parameters.reach - (gaps - self.margin))
-        inward = (call[0] - call[1], call[2] - call[3])
-        along = common[0] * inward[0] + common[1] * inward[1]
-        lengths = math.hypot(*common) * math.hypot(*inward)
-        clear = lengths > 0.0 and along >= self.parameters.clear * lengths
-        if clear or not ties.beyond(call, 0.0).any():
-            self._sign = 0.0
-        elif self._sign == 0.0:
-            across = common[0] * inward[1] - common[1] * inward[0]
-            # Straight at a wall, both ways are as good.
-            self._sign = 1.0 if ties.reached(across, 0.0) else -1.0
+        self._sign = turning_sign(self._sign, common, call, self.parameters.clear)
         return self._sign * self.parameters.turn_rate * self.time_step
+
+
+def turning_sign(sign: float, common: Floats, call: Floats, clear: float) -> float:
+    """Return which way a flock turns now: 1 for left, -1 for right, 0 for straight on.
+
+    Parameters
+    ----------
+    sign : float
+        Which way it turned before.
+    common : (2,) array
+        Its common velocity, m/s.
+    call : (4,) array
+        How far it is within reach of the walls at the least x, greatest x, least y, greatest y, m.
+    clear : float
+        Cosine from which on a direction leads away from them.
+    """
+    inward = (call[0] - call[1], call[2] - call[3])
+    along = common[0] * inward[0] + common[1] * inward[1]
+    lengths = math.hypot(*common) * math.hypot(*inward)
+    away = lengths > 0.0 and along >= clear * lengths
+    if away or not ties.beyond(call, 0.0).any():
+        return 0.0
+    if sign != 0.0:
+        return sign
+    across = common[0] * inward[1] - common[1] * inward[0]
+    # Straight at a wall, both ways are as good.
+    return 1.0 if ties.reached(across, 0.0) else -1.0
 
 
 def _turned(common: Floats, angle: float) -> Floats:

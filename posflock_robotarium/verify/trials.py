@@ -27,9 +27,10 @@ from rps_compat.containment.namespaces import (
     ContainmentError,
     contained,
     containment_here,
-    python_folders,
+    own_folders,
 )
 from rps_compat.containment.room import Room
+from rps_compat.containment.script_environment import script_environment
 from rps_compat.containment.usage import Allowance
 from rps_compat.profiles import profile_to_dict
 from rps_compat.realism import Profile
@@ -164,19 +165,10 @@ class ForkServer:
     def _start(self) -> KeptProcess:
         fonts = self.folder / "matplotlib"
         lay_font_list(Path(sys.executable), fonts)
-        # What measures the tests would write its data where no script may.
-        inherited = {k: v for k, v in os.environ.items() if not k.startswith("COVERAGE_")}
-        environment = inherited | {
-            "MPLBACKEND": "module://rps_compat.headless_backend",
-            "MPLCONFIGDIR": str(fonts),
-            "OPENBLAS_NUM_THREADS": "1",
-            "OMP_NUM_THREADS": "1",
-            "PYTHONBREAKPOINT": "0",
-            "PYTHONDONTWRITEBYTECODE": "1",
-        }
+        environment = script_environment(fonts) | {"PYTHONDONTWRITEBYTECODE": "1"}
         # The current folder comes first on the path there, and is the user's here.
         home = sys.prefix
-        readable = (*python_folders(sys.executable), *filter(None, sys.path), *self._shown)
+        readable = (*own_folders(), *self._shown)
         room = Room((str(self.folder),), readable, home, as_init=True)
         command = [sys.executable, "-m", "posflock_robotarium.verify.fork_server"]
         return KeptProcess(

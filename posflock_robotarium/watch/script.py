@@ -25,8 +25,9 @@ from posflock_robotarium.watch.settings import Settings
 from rps_compat.containment.caches import lay_font_list
 from rps_compat.containment.keeper import ProcessOrder
 from rps_compat.containment.kept import KeptProcess
-from rps_compat.containment.namespaces import contained, containment_here, python_folders
+from rps_compat.containment.namespaces import contained, containment_here, own_folders
 from rps_compat.containment.room import Room
+from rps_compat.containment.script_environment import script_environment
 from rps_compat.containment.usage import Allowance
 from rps_compat.generations import Generation
 from rps_compat.profiles import profile_to_dict
@@ -153,22 +154,14 @@ class ScriptProcess:
         self._send(json.dumps(order))
 
     def _started(self, fonts: Path, temporary: Path, mouth: int) -> KeptProcess:
-        # What measures the tests would write its data where no script may.
-        inherited = {k: v for k, v in os.environ.items() if not k.startswith("COVERAGE_")}
         writable = (str(self.scratch), *self.plan.writable)
-        readable = (*python_folders(sys.executable), *filter(None, sys.path))
-        room = Room(writable, readable, str(self.scratch))
+        room = Room(writable, own_folders(), str(self.scratch))
         command = [sys.executable, "-m", "posflock_robotarium.watch.child"]
         return KeptProcess(
             ProcessOrder(contained(containment_here(), room, command)),
             cwd=self.scratch,
-            env=inherited
+            env=script_environment(fonts)
             | {
-                "MPLBACKEND": "module://rps_compat.headless_backend",
-                "MPLCONFIGDIR": str(fonts),
-                "OPENBLAS_NUM_THREADS": "1",
-                "OMP_NUM_THREADS": "1",
-                "PYTHONBREAKPOINT": "0",
                 "PYTHONSAFEPATH": "1",
                 "PYTHONUNBUFFERED": "1",
                 "PYTHONIOENCODING": "utf-8:backslashreplace",

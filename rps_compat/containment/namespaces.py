@@ -153,7 +153,11 @@ def python_folders(python: Path | str) -> tuple[str, ...]:
         The interpreter, in ``bin`` of its environment.
     """
     environment = Path(python).absolute().parents[1]
+    return (str(environment), str(Path(python).resolve().parents[1]), sys.prefix, sys.base_prefix)
+
+
+def own_folders() -> tuple[str, ...]:
+    """Return the folders that a process needs which is to import what this one can."""
     # Where the installation is editable, only a hook knows where our packages lie: no path says it.
     ours = Path(__file__).resolve().parents[2]
-    folders = (environment, Path(python).resolve().parents[1], sys.prefix, sys.base_prefix, ours)
-    return tuple(map(str, folders))
+    return (*python_folders(sys.executable), *filter(None, sys.path), str(ours))
