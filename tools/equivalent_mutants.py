@@ -20,7 +20,7 @@ EQUIVALENT: list[tuple[str, str, str, str]] = [
     ("law.py", "p = np.asarray(positions", "without argument dtype", _WHOLE),
     ("law.py", "x = np.asarray(vectors", "without argument dtype", _WHOLE),
     ("law.py", "remembered = np.asarray(imprint", "without argument dtype", _WHOLE),
-    ("steering.py", "along >= self.parameters.clear * lengths", "GtE to Gt", _NOBODY),
+    ("steering.py", "along >= clear * lengths", "GtE to Gt", _NOBODY),
     (
         "alignment/",
         "np.flatnonzero(edges == -1) - 1, strict=True",
