@@ -19,6 +19,8 @@ export OMP_NUM_THREADS ?= 1
 # RECORD=1 adds what a benchmark measured to benchmarks/history/.
 export BENCH_RECORD = $(RECORD)
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
+# Tests start hundreds of Pythons: what all of them import is compiled once, also where an image says otherwise.
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: demo test docs docs-browser docs-links wheel test-slow test-numpy1 test-portable coverage mutants lint bench bench-nine bench-rps bench-barriers bench-verify \
 	bench-report bench-fuzz bench-faults bench-paper bench-machines bench-reality bench-batch bench-plot lock clean help

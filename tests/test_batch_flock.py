@@ -80,6 +80,7 @@ def test_other_flocks_too(flock: Flock) -> None:
     assert_as_alone(flock, 0.8, "gritsbot_x", "numpy")
 
 
+@pytest.mark.slow  # compiles, where nobody has before
 def test_a_team_is_the_same_in_any_company() -> None:
     together = simulate_teams(Flock(), starts(), 3.5, seeds=SEEDS)
     for team in (1, 3):
@@ -87,7 +88,11 @@ def test_a_team_is_the_same_in_any_company() -> None:
         np.testing.assert_allclose(together[team].true_poses, alone.true_poses, rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("duration", [1.5, 10.0], ids=["numpy", "compiled"])
+@pytest.mark.parametrize(
+    "duration",
+    [1.5, pytest.param(10.0, marks=pytest.mark.slow)],
+    ids=["numpy", "compiled"],
+)
 def test_rows_of_a_study_are_those_of_single_trials(duration: float) -> None:
     given = {"duration": duration, "profile": "gritsbot_x"}
     study = parse_study({"experiment": "robots", "replications": 2, "parameters": given})

@@ -113,6 +113,7 @@ def test_a_profile_keeps_everything_but_gain_and_delay():
     assert replace(slow, gains=base.gains, dead_time=base.dead_time) == base
 
 
+@pytest.mark.slow  # a hundred trials
 def test_the_command_finds_the_gain_that_made_a_log(tmp_path):
     script, log, out = (tmp_path / name for name in ("shuttle.py", "printed.txt", "lab.toml"))
     script.write_text(SHUTTLE)

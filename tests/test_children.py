@@ -35,7 +35,9 @@ if __name__ == "__main__":
 """
 
 
-@pytest.mark.parametrize("method", ["fork", "spawn", "forkserver"])
+@pytest.mark.parametrize(
+    "method", ["fork", "spawn", pytest.param("forkserver", marks=pytest.mark.slow)]
+)
 def test_robots_in_pools(tmp_path, method):
     done, data, _ = run(tmp_path, POOLS, "--seed", "1", arguments=[method])
     assert done.returncode == 0, done.stderr

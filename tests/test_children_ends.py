@@ -183,6 +183,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.slow  # waits for two limits
 def test_a_limit_that_strikes_again_while_children_will_not_end_leaves_none(tmp_path):
     worker = DEAF.replace('    subprocess.Popen([sys.executable, "worker.py"])\n', "").replace(
         'mp.get_context("fork").Process(target=for_ever).start()', "for_ever()"

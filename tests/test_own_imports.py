@@ -22,6 +22,7 @@ from rps_compat.run_settings import RunSettings
 from rps_compat.runner import run_script
 
 WAYS = ("run", "path")
+PATH_IS_SLOW = ("run", pytest.param("path", marks=pytest.mark.slow))
 #: Two robots that drive, are kept apart and drawn, with all that is imported for that.
 ROBOTS = """
 from rps.robotarium import Robotarium
@@ -109,7 +110,7 @@ def names_that_files_can_hide():
     return sorted(name for name in names - first if name.isidentifier() and not is_frozen(name))
 
 
-@pytest.mark.parametrize("way", ["command", "path"])
+@pytest.mark.parametrize("way", [pytest.param("command", marks=pytest.mark.slow), "path"])
 def test_files_named_after_everything_that_anybody_imports(home, way):
     names = names_that_files_can_hide()
     assert {"random", "types", "numpy", "scipy", "matplotlib", "barrier_certificates"} <= {*names}
@@ -139,7 +140,7 @@ def test_a_module_imported_before_ours_stays_the_scripts(home, way):
     assert "[1] [2]" in said(way, home)
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", PATH_IS_SLOW)
 def test_a_package_of_the_scripts_with_submodules_called_like_ours(home, way):
     package = home / "barrier_certificates"
     package.mkdir()
@@ -178,7 +179,7 @@ except ImportError as error:
     ]
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", PATH_IS_SLOW)
 def test_classes_of_hiding_modules_can_be_pickled(home, way):
     write(home, queue="class Job:\n    pass\ndef work(job):\n    return type(job).__name__\n")
     write(home, barrier_certificates="class Job:\n    pass\n", test="class Job:\n    pass\n")
@@ -198,7 +199,7 @@ if __name__ == "__main__":
     assert "['Job', 'Job', 'Job']" in said(way, home)
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", PATH_IS_SLOW)
 def test_folders_that_the_script_puts_on_the_path(home, way):
     for folder in ("lib", "more"):
         (home / folder).mkdir()
@@ -230,7 +231,7 @@ def test_a_script_that_empties_the_path_leaves_us_ours(home, way):
     assert "No module named 'not_installed'" in told
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", PATH_IS_SLOW)
 def test_threads_import_at_the_same_time(home, way):
     write(home, queue="import time\ntime.sleep(0.05)\nimport helper\nDONE = True")
     write(home, helper="import queue")
@@ -249,7 +250,7 @@ print(found.count(True))
     assert "8" in said(way, home)
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", PATH_IS_SLOW)
 def test_a_script_is_called_like_a_module_of_ours(home, way):
     write(home, barrier_certificates=f"{UNDRAWN}if __name__ == '__main__':\n    drive()\n")
     assert said(way, home, script="barrier_certificates.py")

@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 from posflock_robotarium.cli import app
 from posflock_robotarium.flocking.errors import PosflockError
 
+pytestmark = pytest.mark.slow  # five runs and reports
 PAGE = Path(__file__).parents[1] / "docs/tutorials/own-question.md"
 TEXT = PAGE.read_text(encoding="utf-8")
 FILES = ("formation.py", "shape.py", "my_metrics.py")

@@ -164,8 +164,12 @@ def test_a_reader_that_is_gone_ends_a_command_quietly(words, script):
 
 @pytest.mark.parametrize(
     "env",
-    [{"PYTHONIOENCODING": "cp1252"}, {"PYTHONIOENCODING": "ascii"},
-     {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}],
+    [
+        {"PYTHONIOENCODING": "cp1252"},
+        pytest.param({"PYTHONIOENCODING": "ascii"}, marks=pytest.mark.slow),
+        pytest.param({"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"},
+                     marks=pytest.mark.slow),
+    ],
     ids=["cp1252", "ascii", "C"],
 )  # fmt: skip
 def test_what_cannot_be_shown_is_replaced(env, script):

@@ -93,6 +93,7 @@ register(Experiment("killer-on-cluster", "", {"value": 0}, run, ("square",), tog
 """
 
 
+@pytest.mark.slow  # workers die and are started again
 @pytest.mark.filterwarnings("ignore")
 def test_a_run_that_kills_every_worker_has_failed_and_the_rest_goes_on(cluster, tmp_path):
     (tmp_path / "killer.py").write_text(KILLER)
@@ -180,6 +181,7 @@ def test_a_scheduler_that_dies_is_one_error_and_the_store_goes_on(processes, tmp
         assert execute(STUDY, store, locally(1)) == 40 - there
 
 
+@pytest.mark.slow  # a scheduler and workers of its own
 @pytest.mark.filterwarnings("ignore")
 def test_a_scheduler_without_workers_is_not_waited_for_for_ever(processes, tmp_path, monkeypatch):
     monkeypatch.setattr(sweep_cluster, "WITHOUT_WORKERS", 0.2)
@@ -205,6 +207,7 @@ def certified(folder, name, authority=None):
     return cert, key
 
 
+@pytest.mark.slow  # a scheduler and workers of its own
 @pytest.mark.skipif(shutil.which("openssl") is None, reason="makes certificates with openssl")
 @pytest.mark.filterwarnings("ignore")
 def test_a_cluster_over_tls_takes_those_alone_who_have_a_certificate(processes, tmp_path):

@@ -71,7 +71,7 @@ class BatchArena:
     Examples
     --------
     >>> import numpy as np
-    >>> teams = BatchArena(np.zeros((4, 3, 1)))
+    >>> teams = BatchArena(np.zeros((4, 3, 1)), engine="numpy")
     >>> teams.commands = np.full((4, 2, 1), 0.1)
     >>> teams.run(10)
     >>> teams.poses.shape, round(float(teams.poses[3, 0, 0]), 3)
