@@ -20,6 +20,7 @@ from posflock_robotarium.logs.readers.dates import seconds_of
 from posflock_robotarium.logs.readers.found import Found
 from posflock_robotarium.logs.readers.names import (
     ANGLES,
+    CIRCLE,
     LENGTHS,
     QUATERNION,
     ROBOT_NAMES,
@@ -28,6 +29,7 @@ from posflock_robotarium.logs.readers.names import (
     STATE_OF,
     TIME_NAMES,
     numbered,
+    part_of_rotation,
     split_unit,
 )
 from posflock_robotarium.logs.readers.quaternions import headings_of
@@ -39,6 +41,10 @@ Floats = NDArray[np.float64]
 _POSITION = ("x", "y")
 _SHARED = 0.5
 """Share of rows at a time that other robots have too, from which on the clock is a common one."""
+_NO_CIRCLE = 0.05
+"""How far from 1 the length of a cosine and a sine may be, since they are rounded."""
+_MANY_AT_A_TIME = 0.2
+"""Share of rows at the time of another from which on a table has several rows a sample."""
 
 
 @dataclass
@@ -55,7 +61,7 @@ class _Columns:
     units: dict[int, str | None] = field(default_factory=dict)
     """What the header says of the states' columns."""
     rotations: dict[tuple[str, str], int] = field(default_factory=dict)
-    """Parts of quaternions, by their name and the robot's number; "" where there is one robot."""
+    """Parts of rotations, by their name and the robot's number; "" where there is one robot."""
     unused: list[str] = field(default_factory=list)
 
 
@@ -96,6 +102,7 @@ def by_names(table: Table, names: tuple[str, ...], notes: list[str]) -> Found:
     if (chosen[2] < 0).any():
         notes.append("positions only: headings are unknown, and drawn along the motion")
     t = None if columns.time is None else _times(table, columns, notes)
+    _ask_whose_rows(table, names, columns, t)
     if columns.robot is not None and not columns.states_of:
         found = _long(table, columns.robot, t, poses[:, :, 0], notes)
     else:
@@ -121,14 +128,12 @@ def _columns_of(path: Path, names: tuple[str, ...], notes: list[str]) -> _Column
                 notes.append(f"{name}: {unit}, by its name; {word} taken in seconds")
         elif word in ROBOT_NAMES and found.robot is None:
             found.robot = index
+        elif (part := part_of_rotation(word)) is not None:
+            found.rotations.setdefault(part, index)
         elif word in STATE_OF and STATE_OF[word] not in found.states:
             found.states[STATE_OF[word]] = index
             found.units[index] = unit
-        elif word in QUATERNION:
-            found.rotations[word, ""] = index
-        elif (key := numbered(word)) is not None and key[0] in QUATERNION:
-            found.rotations[key] = index
-        elif key is not None:
+        elif (key := numbered(word)) is not None:
             if key in found.states_of:
                 raise LayoutError(f"{path}: two columns are {key[0]} of robot {key[1]}")
             found.states_of[key] = index
@@ -152,6 +157,29 @@ def _numbers(columns: _Columns) -> str:
     return f"; {told}"
 
 
+def _ask_whose_rows(
+    table: Table, names: tuple[str, ...], columns: _Columns, t: Floats | None
+) -> None:
+    """Ask for the robot's column where a table has several rows a time, and one tells them apart."""
+    if t is None or columns.robot is not None or columns.states_of or len(t) < 3:
+        return
+    times, sample = np.unique(t, return_inverse=True)
+    if len(times) > (1 - _MANY_AT_A_TIME) * len(t):
+        return
+    for name in columns.unused:
+        index = names.index(name)
+        kept = table.words.get(index)
+        labels, label = np.unique(
+            table.values[:, index] if kept is None else np.array(kept), return_inverse=True
+        )
+        if 1 < len(labels) < len(times) and len(np.unique(sample * len(labels) + label)) == len(t):
+            raise LayoutError(
+                f"{table.path}: several rows have the same time, and column {name!r} tells them "
+                "apart: is it the robot? Name all columns with --columns t,robot,x,y,theta,… "
+                "(- for one to leave out)"
+            )
+
+
 def _times(table: Table, columns: _Columns, notes: list[str]) -> Floats:
     """Return the times in seconds, which may stand as dates or times of day."""
     if columns.time is None or columns.time not in table.words:
@@ -161,17 +189,29 @@ def _times(table: Table, columns: _Columns, notes: list[str]) -> Floats:
 
 
 def _turned(table: Table, columns: _Columns, poses: Floats, notes: list[str]) -> int:
-    """Fill in headings from quaternions; return a column of them, or -1 where parts lack."""
+    """Fill in headings from parts of rotations; return a column of them, or -1 where parts lack."""
     robots = sorted({robot for _, robot in columns.states_of}, key=int) or [""]
-    parts = [[columns.rotations.get((part, robot), -1) for robot in robots] for part in QUATERNION]
-    if min(map(min, parts)) < 0:
-        columns.unused += list(QUATERNION)
-        return -1
-    quaternions = np.moveaxis(table.values[:, np.array(parts)], 1, 0)
-    heading, told = headings_of(quaternions)
-    poses[:, 2] = heading
-    notes.append(f"headings from quaternions{told}")
-    return parts[0][0]
+    for names in (QUATERNION, CIRCLE, QUATERNION[2:]):
+        parts = [[columns.rotations.get((part, robot), -1) for robot in robots] for part in names]
+        if min(map(min, parts)) < 0:
+            continue
+        poses[:, 2], told = _headings(names, np.moveaxis(table.values[:, np.array(parts)], 1, 0))
+        notes.append(f"headings from {told}")
+        return parts[0][0]
+    notes.append(f"parts of rotations not used: {', '.join(p + r for p, r in columns.rotations)}")
+    return -1
+
+
+def _headings(names: tuple[str, ...], parts: Floats) -> tuple[Floats, str]:
+    """Return headings (T, N) from the parts of rotations, and from what they are."""
+    if names == CIRCLE:
+        unit = np.abs(np.hypot(*parts) - 1) < _NO_CIRCLE
+        left_out = f", {np.mean(~unit):.0%} of which are none" if not unit.all() else ""
+        return np.where(unit, np.arctan2(parts[1], parts[0]), np.nan), "cosine and sine" + left_out
+    if len(names) < len(QUATERNION):  # a robot on a floor turns about z alone
+        parts = np.concatenate([np.zeros_like(parts), parts])
+    heading, told = headings_of(parts)
+    return heading, "quaternions" + told
 
 
 def _of_each_robot(path: Path, columns: _Columns) -> NDArray[np.int_]:

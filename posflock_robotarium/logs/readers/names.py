@@ -24,8 +24,10 @@ POSE_NAMES = (
 COMMAND_NAMES = ("command", "commands", "dxu", "input_data", "inputs")
 STEP_NAMES = ("dt", "time_step", "timestep")
 _TIMES = ("t", "time", "timestamp", "timestamps", "times", "seconds", "stamp", "sec", "time_s")
+_TIMES += ("zeit", "tiempo", "temps", "tempo")
 TIME_NAMES = (*_TIMES, "__time", "time_history", "t_history", "time_data", "t_data")
-ROBOT_NAMES = ("robot", "id", "robot_id", "agent", "agent_id", "i")
+ROBOT_NAMES = ("robot", "id", "robot_id", "agent", "agent_id", "i", "robotid", "agentid", "name")
+ROBOT_NAMES += ("robot_name", "agent_name", "robot_index", "body", "rigid_body", "tag", "tag_id")
 STATE_NAMES: dict[str, tuple[str, ...]] = {
     "x": ("x", "px", "posx", "pos_x", "xpos", "x_pos", "pose_x", "position_x", "x_m"),
     "y": ("y", "py", "posy", "pos_y", "ypos", "y_pos", "pose_y", "position_y", "y_m"),
@@ -34,6 +36,18 @@ STATE_NAMES: dict[str, tuple[str, ...]] = {
 STATE_NAMES["theta"] += ("orientation", "rotation", "pose_theta", "pose_yaw")
 #: Parts of a rotation, which stand for a heading where there is none.
 QUATERNION = ("qx", "qy", "qz", "qw")
+CIRCLE = ("cos", "sin")
+_OF_A_QUATERNION = ("q{}", "q_{}", "q.{}", "quat_{}", "quaternion_{}", "ori_{}", "orientation_{}")
+_OF_A_QUATERNION += ("orientation.{}", "rot_{}", "rotation_{}", "pose_q{}")
+_OF_THE_CIRCLE = ("{}", "{}_{}", "{}{}", "{}({})", "{1}_{0}", "{}.{}")
+_ANGLE_WORDS = ("theta", "th", "yaw", "heading", "phi", "psi", "angle", "θ", "ψ", "φ")
+PART_OF = {way.format(part[1]): part for part in QUATERNION for way in _OF_A_QUATERNION}
+PART_OF |= {
+    way.format(part, word): part
+    for part in CIRCLE
+    for way in _OF_THE_CIRCLE
+    for word in _ANGLE_WORDS
+}
 STATE_OF = {name: state for state, names in STATE_NAMES.items() for name in names}
 _STATE_FIRST = re.compile(
     r"(?P<state>[a-zθψφ]+?(?:_(?:pos|x|y|m|rad|theta|yaw))?)[\s_.\-]*(?:robot|agent)?[\s_.\-]*"
@@ -42,7 +56,13 @@ _STATE_FIRST = re.compile(
 _ROBOT_FIRST = re.compile(
     r"(?:robot|agent|r)?[\s_.\-]*(?P<robot>\d+)[\s_.\-:/]*(?P<state>[a-zθψφ_]+)"
 )
-
+_PART_FIRST = re.compile(
+    r"(?P<part>[a-zθψφ_.()]+?)[\s_.\-]*(?:robot|agent)?[\s_.\-]*[\[({]?(?P<robot>\d+)[\])}]?"
+)
+_ROBOT_FIRST_PART = re.compile(
+    r"(?:robot|agent|r)?[\s_.\-]*(?P<robot>\d+)[\s_.\-:/]*(?P<part>[a-zθψφ_.()]+)"
+)
+_ROBOT_INSIDE = re.compile(r"(?P<part>cos|sin)\((?P<angle>[a-zθψφ]+)_?(?P<robot>\d+)\)")
 
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254, "inch": 0.0254, "ft": 0.3048}
 ANGLES = {"rad": 1.0, "deg": math.pi / 180, "degree": math.pi / 180, "degrees": math.pi / 180}
@@ -102,7 +122,7 @@ def numbered(word: str) -> tuple[str, str] | None:
     Returns
     -------
     (str, str), optional
-        The state, one of `STATE_NAMES` or `QUATERNION`, and the digits of the robot's number.
+        The state, one of `STATE_NAMES`, and the digits of the robot's number.
 
     Examples
     --------
@@ -112,9 +132,38 @@ def numbered(word: str) -> tuple[str, str] | None:
     for pattern in (_STATE_FIRST, _ROBOT_FIRST):
         match = pattern.fullmatch(word)
         state = match["state"].strip("_") if match else ""
-        if match and (state in STATE_OF or state in QUATERNION):
-            return STATE_OF.get(state, state), match["robot"]
+        if match and state in STATE_OF:
+            return STATE_OF[state], match["robot"]
     return None
+
+
+def part_of_rotation(word: str) -> tuple[str, str] | None:
+    """Return which part of a rotation a column holds, and of which robot; None where of none.
+
+    Parameters
+    ----------
+    word : str
+        The column's name, in lower case.
+
+    Returns
+    -------
+    (str, str), optional
+        One of `QUATERNION` or `CIRCLE`, and the digits of the robot's number, "" where none stand.
+
+    Examples
+    --------
+    >>> part_of_rotation("qw_2"), part_of_rotation("cos(theta)"), part_of_rotation("robot3_sin")
+    (('qw', '2'), ('cos', ''), ('sin', '3'))
+    """
+    if word in PART_OF:
+        return PART_OF[word], ""
+    for pattern in (_PART_FIRST, _ROBOT_FIRST_PART):
+        match = pattern.fullmatch(word)
+        if match and (part := PART_OF.get(match["part"].strip("_."))):
+            return part, match["robot"]
+    inside = _ROBOT_INSIDE.fullmatch(word)
+    part = PART_OF.get(f"{inside['part']}({inside['angle']})") if inside else None
+    return (part, inside["robot"]) if inside and part else None
 
 
 def names_a_column(word: str) -> bool:
@@ -127,4 +176,4 @@ def names_a_column(word: str) -> bool:
     """
     bare, _ = split_unit(word)
     known = bare in TIME_NAMES or bare in STATE_OF or bare in ROBOT_NAMES
-    return known or numbered(bare) is not None
+    return known or numbered(bare) is not None or part_of_rotation(word) is not None
