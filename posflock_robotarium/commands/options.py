@@ -32,8 +32,8 @@ Processes = Annotated[
 Logs = Annotated[
     list[Path],
     typer.Argument(
-        help="Pose logs: ours, or .npy, .npz, .mat, .mcap, CSV, text, ROS CSV, TUM, EuRoC, MRCLAM, "
-        "Motive CSV, Vicon CSV, ROS 2 bag.",
+        help="Pose logs: ours, or .npy, .npz, .mat, .mcap, CSV, text, ROS CSV, TUM, EuRoC, KITTI, "
+        "MRCLAM, Motive CSV, Vicon CSV, ROS 2 bag.",
         show_default=False,
     ),
 ]

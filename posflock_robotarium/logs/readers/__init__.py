@@ -25,7 +25,7 @@ from posflock_robotarium.logs.readers.reading import read, read_parts, read_pose
 from posflock_robotarium.logs.readers.ros_bags import ROS_BAG
 from posflock_robotarium.logs.readers.ros_csv import ROS_CSV
 from posflock_robotarium.logs.readers.text import TEXT
-from posflock_robotarium.logs.readers.trajectories import EUROC, TUM
+from posflock_robotarium.logs.readers.trajectories import EUROC, KITTI, TUM
 from posflock_robotarium.logs.run import LayoutError, Run
 
 __all__ = [
@@ -47,7 +47,7 @@ __all__ = [
     "registered",
 ]
 
-_BY_CONTENT = (POSE_LOG, ROS_BAG, ROS_CSV, TUM, EUROC, MRCLAM, MOTIVE, VICON)
+_BY_CONTENT = (POSE_LOG, ROS_BAG, ROS_CSV, TUM, EUROC, KITTI, MRCLAM, MOTIVE, VICON)
 _BY_SIGNATURE = (NPY, NPZ, MATLAB, MCAP, PICKLE)
 for _form in (*_BY_CONTENT, *_BY_SIGNATURE, TEXT):
     register(_form)

@@ -32,6 +32,7 @@ from posflock_robotarium.logs.readers.names import (
     part_of_rotation,
     split_unit,
 )
+from posflock_robotarium.logs.readers.number_spellings import why_no_number
 from posflock_robotarium.logs.readers.quaternions import headings_of
 from posflock_robotarium.logs.readers.tables import Table
 from posflock_robotarium.logs.run import LayoutError
@@ -94,7 +95,11 @@ def by_names(table: Table, names: tuple[str, ...], notes: list[str]) -> Found:
             "or give their order with --columns state or robot"
         )
     if words := sorted(set(chosen.ravel().tolist()) & set(table.words)):
-        raise LogError(f"{table.path}: column {names[words[0]]} holds words, not numbers")
+        word = table.words[words[0]][0]
+        raise LogError(
+            f"{table.path}: column {names[words[0]]} holds words such as {word[:40]!r}, not numbers"
+            + why_no_number(word)
+        )
     poses = table.values[:, chosen] * _factors(chosen, columns, notes)
     poses[:, chosen < 0] = np.nan
     if (chosen[2] < 0).all() and columns.rotations:
@@ -160,7 +165,7 @@ def _numbers(columns: _Columns) -> str:
 def _ask_whose_rows(
     table: Table, names: tuple[str, ...], columns: _Columns, t: Floats | None
 ) -> None:
-    """Ask for the robot's column where a table has several rows a time, and one tells them apart."""
+    """Ask for the robot's column where rows have one time, and a column tells them apart."""
     if t is None or columns.robot is not None or columns.states_of or len(t) < 3:
         return
     times, sample = np.unique(t, return_inverse=True)

@@ -13,8 +13,12 @@ _DATE = re.compile(
     r"(?P<date>\d{4}-\d{2}-\d{2})[T ](?P<clock>\d{2}:\d{2}(?::\d{2}(?:[.,]\d{1,9})?)?)"
     r"(?P<zone>Z|[+-]\d{2}:?\d{2})?"
 )
+_DAY_FIRST = re.compile(r"\d{1,2}([./-])\d{1,2}\1\d{4},?[T ]")
+"""Or month first: which of them does not matter to a run that ends within a day."""
 _CLOCK = re.compile(
     r"(?:(?P<hours>\d{1,2}):)?(?P<minutes>\d{1,2}):(?P<seconds>\d{1,2}(?:[.,]\d+)?)"
+    r"(?: ?(?P<half>[AP])\.?M\.?)?",
+    re.IGNORECASE,
 )
 _DAY = 86400.0
 
@@ -25,8 +29,9 @@ def seconds_of(words: tuple[str, ...], where: str) -> NDArray[np.float64]:
     Parameters
     ----------
     words : tuple of str
-        ``2026-06-11T14:03:00.033``, with a blank for the T and a zone or not, or ``14:03:00.033``.
-        Midnight may pass once between two times of day.
+        ``2026-06-11T14:03:00.033``, with a blank for the T and a zone or not, ``14:03:00.033``,
+        also with AM or PM, or behind a day such as ``11.06.2026`` or ``06/11/2026``, of which only
+        the time of day is taken. Midnight may pass once between two times of day.
     where : str
         File name for messages.
 
@@ -45,8 +50,11 @@ def seconds_of(words: tuple[str, ...], where: str) -> NDArray[np.float64]:
         if date := _DATE.fullmatch(word.strip()):
             moment = np.datetime64(f"{date['date']}T{date['clock'].replace(',', '.')}", "ns")
             seconds[row] = moment.astype(np.int64) * 1e-9
-        elif clock := _CLOCK.fullmatch(word.strip()):
-            whole = 60 * int(clock["hours"] or 0) + int(clock["minutes"])
+        elif clock := _CLOCK.fullmatch(_DAY_FIRST.sub("", word.strip(), count=1)):
+            hours = int(clock["hours"] or 0)
+            if clock["half"]:
+                hours = hours % 12 + (12 if clock["half"] in "pP" else 0)
+            whole = 60 * hours + int(clock["minutes"])
             seconds[row] = 60 * whole + float(clock["seconds"].replace(",", "."))
         else:
             raise LogError(

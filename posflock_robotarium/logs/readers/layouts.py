@@ -20,6 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.flocking.errors import LogError
+from posflock_robotarium.logs.readers.rolling import FAR, ROLLING, moved_far, sideways_share
+from posflock_robotarium.logs.readers.rotations import ask_where_rotations
 from posflock_robotarium.logs.run import LayoutError
 
 Floats = NDArray[np.float64]
@@ -112,18 +114,27 @@ USUAL = ("T,3,N", "3,N,T", "T,N,3")
 """What scripts save, and is not asked whether robots roll in it."""
 NAMES = tuple(dict.fromkeys(layout.name for layout in LAYOUTS))
 COLUMN_ORDERS = ("state", "robot")
-_FAR, _SLIDING, _ROLLING = 0.005, 0.25, 0.05
-"""Metres in five samples that are motion and no noise; shares of it that no wheels do, and do."""
-_JUMP = 10.0
-"""How many times farther than usual no robot drives."""
+_SLIDING = 0.25
+"""Share of the motion across the headings that no wheels do."""
+_NUMBERS_OF_A_POSE = 5
+_FEW = 6
+"""Samples of which rising numbers may be anything."""
 _LONGER_THAN_ARENAS = 10.0
 """Seconds of a run that are no metres of an arena."""
 MATLABS_OWN = "robotarium_data"
 """What the testbed's MATLAB interface calls its log, 5N numbers at each time, by robot."""
 
 
-def _is_clock(values: Floats) -> bool:
-    """Whether rising values are a time: regular as no robot drives, or longer than arenas are."""
+def is_clock(values: Floats) -> bool:
+    """Tell whether values are times and no places: regular as no robot drives, or a long way on.
+
+    Parameters
+    ----------
+    values : (T,) array
+        A column or row without a name.
+    """
+    if len(values) < _FEW or not increases(values):
+        return False
     steps = np.diff(values)
     return bool(np.ptp(values) > _LONGER_THAN_ARENAS or np.ptp(steps) < 1e-3 * np.mean(steps))
 
@@ -176,15 +187,11 @@ def to_states(
         )
     if array.size == 0:
         raise LogError(f"{where}: empty, shape {array.shape}")
+    if layout is None:
+        ask_where_rotations(array, where)
     fits = _fitting(array.shape, layout, columns, samples)
     if not fits:
-        named = layout is not None
-        asked = f"layout {layout}" if named else "any known layout " + " ".join(NAMES)
-        raise LayoutError(
-            f"{where}: shape {array.shape} does not fit {asked} "
-            f"(2, 3 or 5 numbers a robot{'' if named else f', at most {MOST_ROBOTS} robots'}, "
-            f"{'at least 2' if samples is None else samples} samples); name one with --layout"
-        )
+        raise LayoutError(_no_fit(array.shape, where, layout, samples))
     if len(fits) == 1:
         how = "as asked" if layout is not None else "the only one that fits the shape"
         chosen, label = fits[0], f"layout {fits[0].label}, {how}"
@@ -200,6 +207,18 @@ def to_states(
         poses = np.concatenate([states, unknown], axis=1)
         return poses, None, f"{label}; positions only: headings are unknown"
     return states[:, :3], states[:, 3:], f"{label}; five numbers a robot: x, y, heading, v and ω"
+
+
+def _no_fit(shape: tuple[int, ...], where: str, layout: str | None, samples: int | None) -> str:
+    """Say that no layout fits, and what to do."""
+    known = dict.fromkeys(each.name for each in LAYOUTS if each.axes == len(shape))
+    asked = f"layout {layout}" if layout is not None else "any known layout " + " ".join(known)
+    most = "" if layout is not None else f", at most {MOST_ROBOTS} robots"
+    how = " (or all columns with --columns t,x1,y1,…)" if len(shape) == 2 else ""
+    return (
+        f"{where}: shape {shape} does not fit {asked} (2, 3 or 5 numbers a robot{most}, "
+        f"{'at least 2' if samples is None else samples} samples); name one with --layout{how}"
+    )
 
 
 def _fitting(
@@ -262,11 +281,14 @@ def split_time(table: Floats) -> tuple[Floats | None, Floats, str | None]:
     """
     for axis, along in ((1, "column"), (0, "row")):
         more = table.shape[axis] - 1
-        if more > 0 and (more % 3 == 0 or more % 5 == 0) and table.shape[1 - axis] > 1:
-            first = table[:, 0] if axis == 1 else table[0]
+        first = table[:, 0] if axis == 1 else table[0]
+        # A row of times stands above the few rows of robots, and is longer than a pose.
+        if axis == 0 and (more > 5 * MOST_ROBOTS or len(first) <= _NUMBERS_OF_A_POSE):
+            continue
+        if more > 0 and (more % 3 == 0 or more % 5 == 0) and len(first) > 1:
             # x of a robot may increase as well, where the table needs no time to be whole.
             whole = (more + 1) % 3 == 0 or (more + 1) % 5 == 0
-            if increases(first) and (not whole or _is_clock(first)):
+            if increases(first) and (not whole or is_clock(first)):
                 return first, table[:, 1:] if axis == 1 else table[1:], along
     return None, table, None
 
@@ -292,40 +314,6 @@ def increases(values: Floats) -> bool:
     return bool(np.isfinite(values).all() and (np.diff(values) > 0).all())
 
 
-def sideways_share(poses: Floats) -> float:
-    """Share of the motion that points across the heading: 0 for wheels, about ½ for nonsense.
-
-    Parameters
-    ----------
-    poses : (T, 3, N) array
-        Poses, m and rad; at most about 4000 samples are looked at.
-
-    Returns
-    -------
-    float
-        Sum of squared sideways displacements over the sum of all, NaN when nothing moves.
-    """
-    stride = max(1, len(poses) // 4000)
-    # Three zeros are no place but a robot that nobody sees: the way from there is no motion.
-    poses = np.where((poses[:, :3] == 0.0).all(axis=1, keepdims=True), np.nan, poses)
-    # Displacements over five samples, so that tracking noise does not drown the motion.
-    ahead, behind = poses[5:], poses[:-5]
-    if len(poses) <= 5:
-        ahead, behind = poses[1:], poses[:-1]
-    ahead, behind = ahead[::stride], behind[::stride]
-    dx, dy = ahead[:, 0] - behind[:, 0], ahead[:, 1] - behind[:, 1]
-    middle = behind[:, 2] + 0.5 * (
-        np.remainder(ahead[:, 2] - behind[:, 2] + np.pi, 2 * np.pi) - np.pi
-    )
-    across = -np.sin(middle) * dx + np.cos(middle) * dy
-    way = dx * dx + dy * dy
-    # A robot that is lost for a while, or jumps, says nothing of how wheels roll.
-    moved = way[np.isfinite(across) & (way > 0)]
-    usual = np.isfinite(across) & (way <= _JUMP**2 * (np.median(moved) if moved.size else 0.0))
-    total = float(np.sum(way[usual]))
-    return float(np.sum(np.square(across[usual]))) / total if total > 0 else float("nan")
-
-
 def only_transposed_rolls(table: Floats) -> bool:
     """Tell whether a table of MATLAB's is (T, 5N), since robots slide in (5N, T) and here do not.
 
@@ -339,18 +327,15 @@ def only_transposed_rolls(table: Floats) -> bool:
             sideways_share(_by_robot(5, axis)(table)[:, :3]) if min(table.shape) > 5 else math.nan
             for axis in (0, 1)
         )
-    return along < _ROLLING and across > 5 * along + 0.1
+    return along < ROLLING and across > 5 * along + 0.1
 
 
 def _ask_where_robots_slide(chosen: Layout, array: Floats, where: str) -> None:
     """Refuse the only reading of a flat table if robots drive across their headings in it."""
     poses = chosen.turn(array)[:, :3]
     with np.errstate(all="ignore"):
-        moved = (poses[5:, :2] - poses[:-5, :2]) ** 2
-        moved = moved[np.isfinite(moved)]
-        far = np.sqrt(np.mean(moved)) if moved.size else 0.0
-        share = sideways_share(poses)
-    if far > _FAR and share > _SLIDING:
+        far, share = moved_far(poses), sideways_share(poses)
+    if far > FAR and share > _SLIDING:
         raise LayoutError(
             f"{where}: shape {array.shape} fits {chosen.label} with {chosen.robots(array.shape)} "
             f"robots, but then {share:.0%} of their motion is sideways: are these other numbers, "
@@ -366,7 +351,7 @@ def _decide_by_rolling(array: Floats, where: str, fits: list[Layout]) -> tuple[L
     order = np.argsort(shares, kind="stable")
     best, second = shares[order[0]], shares[order[1]]
     if not (
-        np.isfinite(best) and np.isfinite(second) and best < _ROLLING and second > 5 * best + 0.1
+        np.isfinite(best) and np.isfinite(second) and best < ROLLING and second > 5 * best + 0.1
     ):
         options = " or ".join(dict.fromkeys(f"--layout {c.name}" for c in fits))
         raise LayoutError(

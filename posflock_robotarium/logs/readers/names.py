@@ -23,10 +23,30 @@ POSE_NAMES = (
 )
 COMMAND_NAMES = ("command", "commands", "dxu", "input_data", "inputs")
 STEP_NAMES = ("dt", "time_step", "timestep")
-_TIMES = ("t", "time", "timestamp", "timestamps", "times", "seconds", "stamp", "sec", "time_s")
+_TIMES: tuple[str, ...] = (
+    "t",
+    "time",
+    "timestamp",
+    "timestamps",
+    "times",
+    "seconds",
+    "stamp",
+    "sec",
+    "time_s",
+)
 _TIMES += ("zeit", "tiempo", "temps", "tempo")
 TIME_NAMES = (*_TIMES, "__time", "time_history", "t_history", "time_data", "t_data")
-ROBOT_NAMES = ("robot", "id", "robot_id", "agent", "agent_id", "i", "robotid", "agentid", "name")
+ROBOT_NAMES: tuple[str, ...] = (
+    "robot",
+    "id",
+    "robot_id",
+    "agent",
+    "agent_id",
+    "i",
+    "robotid",
+    "agentid",
+    "name",
+)
 ROBOT_NAMES += ("robot_name", "agent_name", "robot_index", "body", "rigid_body", "tag", "tag_id")
 STATE_NAMES: dict[str, tuple[str, ...]] = {
     "x": ("x", "px", "posx", "pos_x", "xpos", "x_pos", "pose_x", "position_x", "x_m"),
@@ -37,7 +57,15 @@ STATE_NAMES["theta"] += ("orientation", "rotation", "pose_theta", "pose_yaw")
 #: Parts of a rotation, which stand for a heading where there is none.
 QUATERNION = ("qx", "qy", "qz", "qw")
 CIRCLE = ("cos", "sin")
-_OF_A_QUATERNION = ("q{}", "q_{}", "q.{}", "quat_{}", "quaternion_{}", "ori_{}", "orientation_{}")
+_OF_A_QUATERNION: tuple[str, ...] = (
+    "q{}",
+    "q_{}",
+    "q.{}",
+    "quat_{}",
+    "quaternion_{}",
+    "ori_{}",
+    "orientation_{}",
+)
 _OF_A_QUATERNION += ("orientation.{}", "rot_{}", "rotation_{}", "pose_q{}")
 _OF_THE_CIRCLE = ("{}", "{}_{}", "{}{}", "{}({})", "{1}_{0}", "{}.{}")
 _ANGLE_WORDS = ("theta", "th", "yaw", "heading", "phi", "psi", "angle", "θ", "ψ", "φ")

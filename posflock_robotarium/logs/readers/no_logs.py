@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 _UNPACK = "unpack it first, and report on what was in it"
+_PRINTED = (
+    "messages as ros2 topic echo prints them: echo them again with --csv, or with rostopic echo -p"
+)
 #: First bytes, and what is to be said of such a file.
 _STARTS = (
     (b"\x1f\x8b", f"compressed with gzip: {_UNPACK} (gunzip, or tar -xzf)"),
@@ -13,6 +16,13 @@ _STARTS = (
     (b"\xd0\xcf\x11\xe0", "an Excel workbook of old: save the sheet as CSV"),
     (b"PAR1", "a Parquet file: write it as CSV (pandas: read_parquet, to_csv)"),
     (b"%PDF", "a PDF document, no log"),
+    (
+        b"#ROSBAG",
+        "a bag of ROS 1: convert it (pip install rosbags; rosbags-convert --src x.bag --dst x), or "
+        "write a topic as CSV with rostopic echo -b x.bag -p /topic",
+    ),
+    (b"header:", _PRINTED),
+    (b"---\nheader:", _PRINTED),
     (b"<", "a web page or XML, no log: was it downloaded as it is shown?"),
 )
 _JSON = "JSON: write its poses as CSV, or as .npz with arrays t (T,) and poses (T, 3, N)"

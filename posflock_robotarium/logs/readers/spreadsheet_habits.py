@@ -10,6 +10,7 @@ import re
 from collections.abc import Callable
 
 from posflock_robotarium.logs.readers.names import ANGLES, LENGTHS, SECONDS
+from posflock_robotarium.logs.readers.number_spellings import as_python
 
 #: What a spreadsheet writes where a formula failed.
 _FAILED = re.compile(r"#(?:N/A|DIV/0!|VALUE!|REF!|NUM!|NAME\?|NULL!)", re.IGNORECASE)
@@ -26,6 +27,7 @@ def plain_line(line: str) -> str:
     line : str
         As it stands in the file.
     """
+    line = as_python(line)
     if "#" not in line:
         return line
     line = _FAILED.sub("nan", line)

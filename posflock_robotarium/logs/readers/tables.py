@@ -8,7 +8,6 @@ log that was cut off is short, and left out.
 
 from __future__ import annotations
 
-import codecs
 import csv
 import re
 from collections.abc import Mapping
@@ -21,9 +20,15 @@ from numpy.typing import NDArray
 
 from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.logs.readers import parameters
-from posflock_robotarium.logs.readers.bounds import BOUNDS, LONGEST_LINE, TEXT_TAKES, Bounds
+from posflock_robotarium.logs.readers.alphabets import text_of, without_zero_bytes
+from posflock_robotarium.logs.readers.bounds import BOUNDS, LONGEST_LINE, Bounds
 from posflock_robotarium.logs.readers.names import names_a_column
-from posflock_robotarium.logs.readers.no_logs import no_log
+from posflock_robotarium.logs.readers.number_spellings import (
+    commas_in_both_roles,
+    separated_by_blanks,
+    why_no_number,
+    with_decimal_points,
+)
 from posflock_robotarium.logs.readers.spreadsheet_habits import (
     declared_delimiter,
     plain_line,
@@ -95,8 +100,9 @@ def read_table(path: Path, bounds: Bounds = BOUNDS) -> Table:
     LogError
         With file, line and reason, when a cell is not a number or rows differ in length.
     """
-    text, notes = _text(path, bounds)
-    lines = text.splitlines()
+    text, notes = text_of(path, bounds)
+    lines, damaged = without_zero_bytes(text.splitlines())
+    notes += damaged
     _refuse_long_lines(path, lines)
     start = next((i for i, line in enumerate(lines) if _content(line)), None)
     if start is None:
@@ -114,16 +120,14 @@ def read_table(path: Path, bounds: Bounds = BOUNDS) -> Table:
         start = next((i for i in range(start + 1, len(lines)) if _content(lines[i])), start)
     start, above = without_prose(lines, start, _content, _split, _delimiter)
     delimiter = delimiter or _delimiter(_content(lines[start]))
-    # Beside semicolons or tabs, and with no point in any row, a comma is a decimal one (Excel in
-    # Europe).
-    rows = lines[start + 1 :] or lines[start:]
-    decimal_comma = (
-        delimiter in (";", "\t")
-        and any("," in _content(line) for line in rows)
-        and not any("." in _content(line) for line in rows)
-    )
-    if decimal_comma:
-        lines = lines[:start] + [line.replace(",", ".") for line in lines[start:]]
+    # With no point in any row, a comma beside other separators is a decimal one (Excel in Europe).
+    head = 1 if start + 1 < len(lines) else 0
+    pointed = with_decimal_points([_content(line) for line in lines[start + head :]], delimiter)
+    if pointed is not None:
+        first = (
+            [lines[start].replace(",", ".")] if head and delimiter != "," else lines[start:][:head]
+        )
+        lines = [*lines[:start], *first, *pointed]
     names: tuple[str, ...] = ()
     cells = _split(_content(lines[start]), delimiter)
     if not any(_is_number(cell.strip().strip('"')) for cell in cells):
@@ -134,6 +138,7 @@ def read_table(path: Path, bounds: Bounds = BOUNDS) -> Table:
             start += 1
     elif (comment := _commented_header(lines, start, delimiter)) is not None:
         names = comment
+    _refuse_commas_in_both_roles(path, lines[start : start + 100], delimiter, len(names))
     values, words, told = _cells(path, lines, start, delimiter)
     if names and len(names) == values.shape[1] + 1 and not names[-1]:
         names = names[:-1]
@@ -142,37 +147,20 @@ def read_table(path: Path, bounds: Bounds = BOUNDS) -> Table:
             f"{path}: the header names {len(names)} columns, the rows have {values.shape[1]}"
         )
     notes += (*above, *told)
-    torn = torn and not told
-    return Table(path, values, names, delimiter, said, decimal_comma, promised, torn, words, notes)
+    torn = torn and not told and not (damaged and not lines[-1])
+    comma = pointed is not None
+    return Table(path, values, names, delimiter, said, comma, promised, torn, words, notes)
 
 
-def _text(path: Path, bounds: Bounds) -> tuple[str, tuple[str, ...]]:
-    """Return the text of a file, and the alphabet that it is in where that is not UTF-8."""
-    bounds.require_size(TEXT_TAKES * path.stat().st_size, str(path))
-    raw = path.read_bytes()
-    try:
-        if raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-            return raw.decode("utf-16"), ("text in UTF-16",)
-        if (what := no_log(raw)) is not None:
-            raise LogError(f"{path}: {what}")
-        if raw[1:400:2].count(0) == len(raw[1:400:2]) and 0 not in raw[:400:2]:
-            return raw.decode("utf-16-le"), ("text in UTF-16, without its mark",)
-        if b"\0" in raw[:4096]:
-            raise LogError(f"{path}: a binary file, not text; expected .npy, .npz, .mat or CSV")
-        return raw.decode("utf-8-sig"), ()
-    except UnicodeDecodeError as error:
-        if error.encoding != "utf-8" or not _is_latin(raw):
-            line = raw.count(b"\n", 0, error.start) + 1
-            raise LogError(f"{path}: line {line}: not text in UTF-8 or UTF-16") from error
-        return raw.decode("latin-1"), ("text in Latin-1, since it is not UTF-8",)
-
-
-def _is_latin(raw: bytes) -> bool:
-    """Whether bytes can be Latin-1: no control characters, and few letters beyond ASCII."""
-    codes = np.frombuffer(raw, np.uint8)
-    control = (codes < 32) & ~np.isin(codes, (9, 10, 12, 13))
-    beyond = (codes >= 128).mean()
-    return bool(not control.any() and not ((codes >= 128) & (codes < 160)).any() and beyond < 0.1)
+def _refuse_commas_in_both_roles(path: Path, rows: list[str], delimiter: str, columns: int) -> None:
+    contents = [content for row in rows if (content := _content(row))]
+    if delimiter == "," and commas_in_both_roles(
+        contents, lambda row: _split(row, delimiter), columns
+    ):
+        raise LogError(
+            f"{path}: commas stand within numbers and between them, too; export it with "
+            "semicolons between cells, or with decimal points"
+        )
 
 
 def _refuse_long_lines(path: Path, lines: list[str]) -> None:
@@ -221,6 +209,8 @@ def _commented_header(lines: list[str], start: int, delimiter: str) -> tuple[str
 def _delimiter(line: str) -> str:
     if "\t" in line and "," in line and not _BESIDE_DIGITS.search(line):
         return "\t"  # all commas are decimal ones
+    if separated_by_blanks(line):
+        return " "
     return next((mark for mark in (";", ",", "\t", "|") if mark in line), " ")
 
 
@@ -316,5 +306,6 @@ def _first_fault(path: Path, lines: list[str], start: int, delimiter: str, other
         for column, cell in enumerate(cells, start=1):
             if not _is_number(cell.strip()):
                 shown = cell.strip()[:40] or "(empty)"
-                return f"{path}: line {number}: column {column} is {shown!r}, not a number"
+                why = why_no_number(cell.strip())
+                return f"{path}: line {number}: column {column} is {shown!r}, not a number{why}"
     return f"{path}: not a table of numbers ({other})"

@@ -12,10 +12,16 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
+from posflock_robotarium.flocking.errors import LogError
 from posflock_robotarium.logs.readers.columns import by_names
+from posflock_robotarium.logs.readers.dates import seconds_of
 from posflock_robotarium.logs.readers.forms import Form, Sign
 from posflock_robotarium.logs.readers.found import Found, ReadOptions
-from posflock_robotarium.logs.readers.layouts import split_time, to_states
+from posflock_robotarium.logs.readers.layouts import is_clock, split_time, to_states
+from posflock_robotarium.logs.readers.rotations import ask_where_rotations
 from posflock_robotarium.logs.readers.tables import Table, read_table
 from posflock_robotarium.logs.run import LayoutError
 
@@ -92,8 +98,8 @@ TEXT = Form(
     name="text",
     label="CSV, text",
     summary="with or without header and time; comma, semicolon, tab (decimal commas, too), bar, "
-    "blank; `time_ms`, `x1 [mm]`, `theta1_deg` say their units; one row a robot, too; quaternions; "
-    "positions only",
+    "blank; `time_ms`, `x1 [mm]`, `theta1_deg` say their units; one row a robot, too; "
+    "quaternions, cosine and sine; positions only",
     told_by=Sign.NOTHING,
     recognises=lambda file, start: True,
     read=read_text,
@@ -103,13 +109,29 @@ TEXT = Form(
 
 def _without_names(table: Table, options: ReadOptions, notes: list[str]) -> Found:
     notes.append("no header")
+    if tuple(table.words) == (0,) and (t := _clock(table)) is not None:
+        notes.append("the first column holds dates or times of day: taken for the time")
+        poses, commands, how = to_states(
+            table.values[:, 1:], str(table.path), options.layout, options.order, samples=len(t)
+        )
+        notes.append(how)
+        return Found(t, poses, (), commands)
     if table.words:
         raise LayoutError(
             f"{table.path}: column {min(table.words) + 1} holds words, and no header says what the "
             "others hold; name all columns with --columns t,robot,x,y,theta,… (- for one to leave "
             "out)"
         )
+    if options.layout is None:
+        ask_where_rotations(table.values, str(table.path))
     t, values, along = split_time(table.values)
+    if t is None and options.layout is None and is_clock(table.values[:, 0]):
+        raise LayoutError(
+            f"{table.path}: no header, and the first column rises evenly as times do, while the "
+            f"other {table.values.shape[1] - 1} are not 3 or 5 a robot: name all columns, as with "
+            "--columns t,x1,y1,x2,y2,… or t,x,y,cos,sin (- for one to leave out), or "
+            "say --layout T,3N where it is the x of a robot"
+        )
     if along is not None:
         notes.append(f"the first {along} increases throughout: taken for the time")
     samples = None if t is None else len(t)
@@ -118,3 +140,11 @@ def _without_names(table: Table, options: ReadOptions, notes: list[str]) -> Foun
     )
     notes.append(how)
     return Found(t, poses, (), commands)
+
+
+def _clock(table: Table) -> NDArray[np.float64] | None:
+    """Return the times in a first column of words; None where they are none."""
+    try:
+        return seconds_of(table.words[0], str(table.path))
+    except LogError:
+        return None

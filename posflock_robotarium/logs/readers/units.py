@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.logs.readers.found import Found, ReadOptions
+from posflock_robotarium.logs.readers.heading_units import ask_where_degrees
 from posflock_robotarium.logs.readers.names import ANGLES, LENGTHS
 from posflock_robotarium.logs.robots import robot_of
 from posflock_robotarium.logs.run import LayoutError
@@ -51,8 +52,15 @@ def in_metres(found: Found, where: str, options: ReadOptions) -> Found:
         found = found.noted(f"lengths in {options.units.value}, as asked")
     elif options.units is None and not found.lengths_told:
         _ask_where_too_far(found, where)
+    else:
+        told = found.lengths_told and options.units is not None
+        found = found.noted("--units not used: the file says its own") if told else found
     if options.degrees and not found.angles_told:
         found = _scaled(found, 2, ANGLES["deg"]).noted("angles in degrees, as asked")
+    elif options.degrees:
+        found = found.noted("--degrees not used: the file says its own unit")
+    elif not found.angles_told:
+        ask_where_degrees(found, where)
     return found
 
 
