@@ -74,12 +74,11 @@ def main() -> None:
         "seed": options.seed,
         "duration": options.duration,
         "requested_poses": start.tolist(),
-        "simulated": STAND_IN or None,  # None: only the one who started it knows
         "api_generation": 2 if hasattr(robotarium.Robotarium, "debug") else 1,
     }
     # The log first: a folder that cannot be written is refused before a robot has moved.
     path = options.out / "nine_robots"
-    with PoseLog(path, ROBOTS, steps, description, real_time=not STAND_IN) as log:
+    with PoseLog(path, ROBOTS, steps, description) as log:
         r = robotarium.Robotarium(
             number_of_robots=ROBOTS,
             show_figure=options.show,

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from posflock_robotarium.alignment.analysis import analyse
-from posflock_robotarium.logs.readers import read
+from posflock_robotarium.flocking.pose_log import PoseLog
+from posflock_robotarium.logs.readers import read, read_pose_log
 from posflock_robotarium.logs.recorder import open_pose_log
 from posflock_robotarium.logs.start import experiment_start
 from posflock_robotarium.report.page import render
@@ -74,3 +75,28 @@ def test_a_run_that_begins_where_it_should_has_no_drive(simulated):
     assert "drive" not in said
     assert experiment_start(run) == 0.0
     assert len(run.t) == 60
+
+
+def test_a_log_that_the_script_keeps_itself_says_it_too(simulated, tmp_path, monkeypatch):
+    """In the simulator there is no real time but this computer's; elsewhere nobody knows."""
+    own = SCRIPT.replace("robotarium.debug()", OWN_LOG).replace("range(60)", "range(2)")
+    monkeypatch.setitem(globals(), "SCRIPT", own)
+    simulated()
+    run = read(tmp_path / "own.npy")
+    assert (run.simulated, run.real_time) == (True, None)
+    assert analyse(run, radius=0.75).summary()["origin"] == "simulation"
+    with PoseLog(tmp_path / "elsewhere", 2, 2) as log:
+        for k in range(2):
+            log.append(0.033 * k, np.zeros((3, 2)), np.zeros((2, 2)))
+    assert read_pose_log(tmp_path / "elsewhere").simulated is None
+
+
+OWN_LOG = """
+from posflock_robotarium.flocking.pose_log import PoseLog
+
+with PoseLog("own", 2, 20, {"seed": 1}) as log:
+    for k in range(20):
+        log.append(0.033 * k, robotarium.get_poses(), np.zeros((2, 2)))
+        robotarium.step()
+robotarium.debug()
+"""

@@ -34,6 +34,7 @@ import json
 import math
 import os
 import platform
+import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -92,7 +93,8 @@ class PoseLog:
         Whatever JSON can hold: parameters, seed, time step, API generation.
     real_time : bool
         Whether rows get the real time at which they are written, and the description the one at
-        which the log was opened. Not in simulation, where it would be this computer's.
+        which the log was opened. Never in simulation, where it would be this computer's; then
+        the description says that the run was simulated.
 
     Raises
     ------
@@ -126,6 +128,8 @@ class PoseLog:
             if not isinstance(value, (int, np.integer)) or value < 1:
                 raise ParameterError(f"{name}: expected a whole number from 1, got {value!r}")
         self.path, self.sidecar = log_paths(path)
+        simulated = in_simulation()
+        real_time = real_time and not simulated
         self._robots = int(robots)
         self._metadata = {
             "format": FORMAT,
@@ -134,6 +138,7 @@ class PoseLog:
             | {"command": ["m/s", "rad/s"], "intervention": "m/s", "clearance": "m"},
             "versions": versions(),
             **({"opened_at": round(time.time(), 3)} if real_time else {}),
+            **({"simulated": True} if simulated else {}),
             **(metadata or {}),
         }
         self._row = _unreached(self._robots)
@@ -284,6 +289,15 @@ class PoseLog:
     def _failure(self, error: OSError, advice: str) -> OutputError:
         reason = error.strerror or error
         return OutputError(f"cannot write the pose log {self.path}: {reason}; {advice}")
+
+
+def in_simulation() -> bool:
+    """Tell whether the robots of this process are our simulator's: what ``import rps`` means here.
+
+    Of other simulators, and on the testbed, only the one who started the run knows.
+    """
+    modules = (sys.modules.get("rps.robotarium"), sys.modules.get("rps"))
+    return any(getattr(module, "__name__", "").startswith("rps_compat.") for module in modules)
 
 
 def _unreached(robots: int) -> NDArray[np.void]:
