@@ -116,6 +116,75 @@ def neighbour_pairs(positions: ArrayLike, radius: float | Floats) -> Pairs:
     return pairs.where(short_of(distance, reach))
 
 
+def neighbours_of_seen(positions: Floats, radius: float | Floats) -> Pairs:
+    """Find the neighbouring pairs among the agents whose positions are known.
+
+    Parameters
+    ----------
+    positions : (d, n) array
+        Metres, NaN where unknown.
+    radius : float or (n,) array
+        Interaction radius r_i in metres.
+
+    Returns
+    -------
+    Pairs
+        As `neighbour_pairs`; who is not seen is in none.
+    """
+    seen = np.flatnonzero(np.isfinite(positions).all(axis=0))
+    if not seen.size:
+        return Pairs(seen, seen, positions.shape[-1])
+    reach = radius[seen] if isinstance(radius, np.ndarray) else radius
+    found = neighbour_pairs(positions[:, seen], reach)
+    return Pairs(seen[found.agent], seen[found.other], positions.shape[-1])
+
+
+def neighbour_matrices(positions: Floats, radius: float | Floats) -> NDArray[np.bool_]:
+    """Tell who is whose neighbour at several times, as `flocking.law.neighbours`, by k-d trees.
+
+    Parameters
+    ----------
+    positions : (K, d, n) array
+        Metres, NaN where unknown.
+    radius : float or (n,) array
+        Interaction radius r_i in metres.
+
+    Returns
+    -------
+    (K, n, n) boolean array
+        Row i marks the members of N_i.
+    """
+    found = np.zeros((len(positions), positions.shape[-1], positions.shape[-1]), dtype=bool)
+    for one, p in zip(found, positions, strict=True):
+        pairs = neighbours_of_seen(p, radius)
+        one[pairs.agent, pairs.other] = True
+    return found
+
+
+def pairs_within(positions: Floats, distance: float) -> tuple[Indices, Indices]:
+    """Return the pairs of agents that may be as near as that, and none that is much farther.
+
+    Parameters
+    ----------
+    positions : (d, n) array
+        Metres, NaN where unknown.
+    distance : float
+        Metres.
+
+    Returns
+    -------
+    first, second : (M,) array of int
+        Agents, the first of each pair before the second, in no order.
+    """
+    from scipy.spatial import cKDTree
+
+    seen = np.flatnonzero(np.isfinite(positions).all(axis=0))
+    tree = cKDTree(positions[:, seen].T, balanced_tree=False, compact_nodes=False)
+    # A little farther than asked: the tree rounds otherwise, and who asks decides.
+    met = tree.query_pairs(distance * (1 + 1e-9), output_type="ndarray")
+    return seen[met[:, 0]], seen[met[:, 1]]
+
+
 def nearest_distances(positions: ArrayLike) -> Floats:
     """Return each agent's distance to the nearest other.
 

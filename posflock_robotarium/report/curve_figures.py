@@ -34,6 +34,7 @@ from posflock_robotarium.figures.style import (
 )
 from posflock_robotarium.report.asked_figures import asked_metrics, target_lines, unmathematical
 from posflock_robotarium.report.following_figure import following_figure
+from posflock_robotarium.report.time_axes import since_start, time_axis
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -108,13 +109,14 @@ def alignment(analysis: Analysis) -> Figure:
     of_gamma = [metric for metric in drawn if metric.panel is not LEFT_OUT]
     for metric, look in reversed(_styled(of_gamma)):
         _curve(top, analysis, metric, look)
+    target_lines(top, [analysis], [metric.key for metric in of_gamma])
     top.set(ylabel="alignment γ (–)", ylim=(None, 1.05))
     top.axhline(1.0, color=GREY, linewidth=0.5, zorder=0)
     _legend_above(top, 3, backwards=True)
     for metric, look in reversed(_styled([m for m in drawn if m.panel is LEFT_OUT])):
         _curve(bottom, analysis, metric, look)
     bottom.set(xlabel="time (s)", ylabel="left out (–)", ylim=(-0.05, 1.05))
-    _time_axis(bottom, [analysis])
+    time_axis(bottom, [analysis])
     return figure
 
 
@@ -130,8 +132,9 @@ def distances(analysis: Analysis) -> Figure:
     figure = new_figure(3.5, 2.6)
     axes = figure.subplots()
     looks = (_LOOKS[0], _LOOKS[1], _DOTTED, _LOOKS[3])
-    for metric, look in _styled(figures()["distances"], looks):
+    for metric, look in _styled(drawn := figures()["distances"], looks):
         _curve(axes, analysis, metric, look)
+    target_lines(axes, [analysis], [metric.key for metric in drawn])
     limit = analysis.robot.collision_diameter
     axes.axhline(limit, color=GREY, linewidth=0.8)
     axes.text(
@@ -146,7 +149,7 @@ def distances(analysis: Analysis) -> Figure:
     )
     axes.set(xlabel="time (s)", ylabel="distance (m)", ylim=(min(0.0, axes.get_ylim()[0]), None))
     _legend_above(axes, 2)
-    _time_axis(axes, [analysis])
+    time_axis(axes, [analysis])
     return figure
 
 
@@ -171,11 +174,14 @@ def motion(analysis: Analysis) -> Figure:
         linewidth=0,
         label="slowest to fastest",
     )
-    for metric, look in _styled(figures()["motion"], (_LOOKS[0], _DASHED)):
+    for metric, look in _styled(drawn := figures()["motion"], (_LOOKS[0], _DASHED)):
         _curve(axes, analysis, metric, look)
+    # What is shaded is of metrics, too: a target may be of the slowest or of the fastest robot.
+    shown = [*(metric.key for metric in drawn), "speed_slowest", "speed_fastest"]
+    target_lines(axes, [analysis], shown)
     axes.set(xlabel="time (s)", ylabel="speed (m/s)", ylim=(0, None))
     _legend_above(axes, 3)
-    _time_axis(axes, [analysis])
+    time_axis(axes, [analysis])
     return figure
 
 
@@ -206,7 +212,7 @@ def curves(analysis: Analysis, name: str) -> Figure:
         _legend_above(axes, 2)
     for line in () if first.panel is None else first.panel.lines:
         _level(axes, line, analysis)
-    _time_axis(axes, [analysis])
+    time_axis(axes, [analysis])
     return figure
 
 
@@ -224,6 +230,7 @@ def runs(analyses: Sequence[Analysis]) -> Figure:
     axes: list[Axes] = list(np.ravel(figure.subplots(1, len(shown))))
     for one, key in zip(axes, shown, strict=True):
         _runs_over_each_other(one, analyses, key)
+        target_lines(one, analyses, [key])
     _legend_above(axes[0], 4 if len(shown) > 1 else 2)
     return figure
 
@@ -275,8 +282,7 @@ def _runs_over_each_other(axes: Axes, analyses: Sequence[Analysis], key: str) ->
             look = _LOOKS[k % len(_LOOKS)]
             crowded = len(analyses) > len(_LOOKS)
             axes.plot(
-                analysis.recording.t - analysis.recording.t[0],
-                analysis.curves[key],
+                *since_start(analysis, analysis.curves[key]),
                 color=GREY if crowded else look.colour,
                 linestyle="-" if crowded else look.dash,
                 linewidth=0.6 if crowded else 1.0,
@@ -286,24 +292,15 @@ def _runs_over_each_other(axes: Axes, analyses: Sequence[Analysis], key: str) ->
     if len(analyses) >= FEWEST_RUNS:
         _mean_band(axes, analyses, key)
     axes.set(xlabel="time (s)", ylabel=_axis_label(metrics()[key].label, metrics()[key]))
-    _time_axis(axes, analyses)
+    time_axis(axes, analyses)
 
 
 def _mean_band(axes: Axes, analyses: Sequence[Analysis], key: str) -> None:
     """Draw the mean over runs and its bootstrap interval on a grid of 120 times."""
-    shortest = min(float(a.recording.t[-1] - a.recording.t[0]) for a in analyses)
+    shortest = min(float(a.recording.t[-1] - a.start) for a in analyses)
     grid = np.linspace(0.0, shortest, 120)
-    sampled = np.array(
-        [
-            a.curves[key][
-                np.searchsorted(a.recording.t - a.recording.t[0], grid).clip(
-                    max=len(a.recording.t) - 1
-                )
-            ]
-            for a in analyses
-            if key in a.curves
-        ]
-    )
+    known = [since_start(a, a.curves[key]) for a in analyses if key in a.curves]
+    sampled = np.array([curve[np.searchsorted(t, grid).clip(max=len(t) - 1)] for t, curve in known])
     if len(sampled) < FEWEST_RUNS:
         return
     spreads = [spread_of(column) for column in sampled.T]
@@ -369,32 +366,3 @@ def _legend_above(axes: Axes, columns: int, backwards: bool = False) -> None:
         handlelength=1.8,
         columnspacing=1.0,
     )
-
-
-def _mark_drive(axes: Axes, analysis: Analysis) -> None:
-    """Shade the drive to the start, where one is in the log."""
-    first = float(analysis.recording.t[0])
-    if analysis.start <= first:
-        return
-    for shaded in axes.figure.axes:
-        shaded.axvspan(first, analysis.start, color=GREY, alpha=0.18, linewidth=0, zorder=0)
-    tallest = axes.figure.axes[0]
-    tallest.text(
-        analysis.start,
-        0.98,
-        "drive to the start",
-        transform=tallest.get_xaxis_transform(),
-        fontsize=6,
-        color="#555555",
-        ha="right",
-        va="top",
-        rotation=90,
-    )
-
-
-def _time_axis(axes: Axes, analyses: Sequence[Analysis]) -> None:
-    if len(analyses) == 1:
-        axes.set_xlim(analyses[0].recording.t[0], analyses[0].recording.t[-1])
-        _mark_drive(axes, analyses[0])
-    else:
-        axes.set_xlim(0.0, max(float(a.recording.t[-1] - a.recording.t[0]) for a in analyses))

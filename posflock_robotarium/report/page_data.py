@@ -69,7 +69,7 @@ class Replay:
     robots, stride : int
         How many, and every how manieth sample is embedded.
     start : float
-        First time, seconds.
+        When the experiment began, after the drive to the start, seconds.
     t, poses : str
         Base64 of 32-bit times and of 16-bit poses, `UNSEEN_STEP` where a robot is not seen.
     low, span : list of float
@@ -186,8 +186,8 @@ class PageData:
     runs : tuple of Replay
         One, or several that are overlaid.
     time : str
-        Base64 of the 32-bit times of all curves, s: as logged of one run, since their first
-        poses of several.
+        Base64 of the 32-bit times of all curves, s: as logged of one run, since the start of the
+        experiment of several, after the drive to it.
     real_time : str
         Base64 of the 32-bit real times of the samples of one run, s since the first pose; empty
         where it is unknown, and of several runs.
@@ -232,7 +232,7 @@ def page_data(analyses: Sequence[Analysis]) -> PageData:
             real_time = _b64((clock - clock[0])[::stride].astype(np.float32))
         drawn = [_plot(panel, shown, first, stride) for panel, shown in asked_panels(analyses)]
     else:
-        last = max(float(a.recording.t[-1] - a.recording.t[0]) for a in analyses)
+        last = max(float(a.recording.t[-1] - a.start) for a in analyses)
         time = np.linspace(0.0, last, COMMON_SAMPLES, dtype=np.float64)
         drawn = [
             _overlay(panel, shown[0], analyses, time) for panel, shown in asked_panels(analyses)
@@ -283,7 +283,7 @@ def _replay(analysis: Analysis, budget: int) -> Replay:
         name=analysis.name,
         robots=robots,
         stride=stride,
-        start=float(recording.t[0]),
+        start=float(analysis.start),
         t=_b64(recording.t[::stride].astype(np.float32)),
         poses=_b64(steps),
         low=low.tolist(),
@@ -343,7 +343,7 @@ def _overlay(panel: Panel, metric: Metric, analyses: Sequence[Analysis], time: F
         curve = _known_curve(analysis, metric)
         if curve is None:
             continue
-        elapsed = analysis.recording.t - analysis.recording.t[0]
+        elapsed = analysis.recording.t - analysis.start
         nearest = np.clip(np.searchsorted(elapsed, time), 0, len(elapsed) - 1)
         values = np.where(time <= elapsed[-1], curve[nearest], np.nan)
         series.append(_series(analysis.name, metric, metric.unjoined(values), look))

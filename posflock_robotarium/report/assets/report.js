@@ -12,8 +12,8 @@ const floats = (b64) => new Float32Array(bytes(b64));
 const runs = data.runs.map((run) => ({ ...run, t: floats(run.t), q: new Uint16Array(bytes(run.poses)) }));
 let run = runs[0];
 const many = runs.length > 1;
-const origin = () => (many ? run.start : 0); // several runs share a clock that starts with each
-const begin = () => run.t[0] - origin();
+const origin = () => (many ? run.start : 0); // several runs share a clock that starts with each experiment
+const begin = () => (many ? 0 : run.t[0]);
 const end = () => run.t[run.t.length - 1] - origin();
 
 function frameAt(time) {
