@@ -138,3 +138,19 @@ def test_smoothing_follows_a_quadratic_to_both_ends(points):
     track = np.stack([1 + 2 * t - 3 * t**2, 0.5 * t**2])[:, np.newaxis].transpose(2, 0, 1)
     expected = np.stack([2 - 6 * t, t])[:, np.newaxis].transpose(2, 0, 1)
     assert_allclose(metrics.smoothed_velocities(track, 0.05, points), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("agents", [7, 230])
+def test_gamma_without_each_agent_is_that_of_the_others(agents):
+    """Counted from what each means to its neighbours, in a flock some of which nobody sees."""
+    rng = np.random.default_rng(agents)
+    side = np.sqrt(agents / 2)
+    p, v = rng.uniform(0, side, (3, 2, agents)), rng.standard_normal((3, 2, agents))
+    p[:, :, 2] = v[:, :, 2] = np.nan
+    v[:, :, 4] = 1e-3
+    found = metrics.alignment_without_each(v, p, 1.0, slowest=0.01)
+    for n in range(0, agents, 1 + agents // 7):
+        left = v.copy()
+        left[:, :, n] = np.nan
+        there = metrics.alignment(left, p, 1.0, slowest=0.01).gamma
+        np.testing.assert_allclose(found[:, n], there, atol=1e-12)

@@ -50,7 +50,7 @@ def test_experiments_of_several_runs_begin_together():
     assert axes.get_xlabel() == "time since the drive to the start (s)"
     assert axes.get_xlim()[1] == pytest.approx(T[-1])
     data = page_data(runs)
-    (plot,) = [p for p in data.panels if p.series[0].key == "smallest_distance"]
+    (plot,) = [p for p in data.panels if p.series[0].key == "nearest_neighbour"]
     drawn = [np.frombuffer(base64.b64decode(s.values), "<f4") for s in plot.series]
     np.testing.assert_allclose(drawn[0], drawn[1], atol=1e-6)
     assert (data.runs[0].start, data.runs[1].start) == (0.0, runs[1].start)

@@ -29,17 +29,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields
+from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from barrier_certificates.ties import beyond
 from posflock_robotarium.alignment.gamma_band_ends import BandMoments, ends_of
 from posflock_robotarium.flocking.law import neighbours
+from posflock_robotarium.freespace.neighbour_search import TREE_FROM_AGENTS, pairs_within
 
 Floats = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
 Integers = NDArray[np.intp]
+_Product: TypeAlias = Callable[[Floats], Floats]
 
 LARGEST_ERROR = 0.2
 """Radians: standard deviation of a direction beyond which the expansion above no longer holds."""
@@ -209,28 +214,47 @@ def _spread(
     return BandMoments(np.where(unsure, np.nan, centre), *moments, below, above)
 
 
-def _weights(links: Booleans) -> tuple[Floats, NDArray[np.intp]]:
-    """Return what each ordered pair contributes to γ, (T, N, N), and how many robots count."""
+def _shares(links: Booleans) -> tuple[Floats, NDArray[np.intp]]:
+    """Return what each pair of a robot contributes to γ, (T, N), and how many robots count."""
     number = links.sum(axis=2)
     counted = (number > 0).sum(axis=1)
     share = np.divide(1.0, number, out=np.zeros(number.shape), where=number > 0)
-    share /= np.maximum(counted, 1)[:, np.newaxis]
-    return links * share[:, :, np.newaxis], counted
+    return share / np.maximum(counted, 1)[:, np.newaxis], counted
+
+
+def _products_of_pairs(links: Booleans, share: Floats) -> tuple[_Product, _Product]:
+    """Return products with each sample's weights of unordered pairs, and with their squares."""
+    if links.shape[2] < TREE_FROM_AGENTS:
+        weights = links * share[:, :, np.newaxis]
+        pairs = weights + np.swapaxes(weights, 1, 2)
+        return partial(np.matmul, pairs), lambda columns: np.square(pairs) @ columns
+    sparse = []
+    for linked, shares in zip(links, share, strict=True):
+        one, other = np.nonzero(linked)
+        weights_of_one = csr_array((shares[one], (one, other)), shape=linked.shape)
+        sparse.append(weights_of_one + weights_of_one.T)
+    squares = [pairs.power(2) for pairs in sparse]
+    return partial(_each, sparse), partial(_each, squares)
+
+
+def _each(matrices: list[csr_array], columns: Floats) -> Floats:
+    """Return the products of each sample's matrix with its columns, (T, N, M)."""
+    return np.stack([m @ x for m, x in zip(matrices, columns, strict=True)])
 
 
 def _moments(
     links: Booleans, c: Floats, s: Floats, variance: Floats
 ) -> tuple[Floats, tuple[Floats, Floats, Floats, Floats]]:
     """Return γ less its bias, and the moments of a `BandMoments`."""
-    weights, counted = _weights(links)
-    pairs = weights + np.swapaxes(weights, 1, 2)
+    share, counted = _shares(links)
+    times, times_squares = _products_of_pairs(links, share)
     lift = np.exp(variance / 2)
-    sums = pairs @ np.stack([c, s, lift * c, lift * s], axis=2)
+    sums = times(np.stack([c, s, lift * c, lift * s], axis=2))
     curvature = -lift * (c * sums[:, :, 2] + s * sums[:, :, 3])  # diagonal of H, bias taken out
     centre = np.where(counted > 0, -0.5 * curvature.sum(axis=1), np.nan)
     gradient = c * sums[:, :, 1] - s * sums[:, :, 0]
     y = variance * gradient
-    bent = pairs @ np.stack([c * y, s * y], axis=2)
+    bent = times(np.stack([c * y, s * y], axis=2))
     bent_y = curvature * y + c * bent[:, :, 0] + s * bent[:, :, 1]
     linear = (gradient * y).sum(axis=1)
     # Of tr (HΣ)² beside the diagonal: squared cosines of differences by those of twice the angle.
@@ -239,9 +263,9 @@ def _moments(
     off = np.where(variance > 0, variance, 0.0)[:, :, np.newaxis] * np.stack(
         [np.ones_like(c), twice_c, twice_s], axis=2
     )
-    square = np.square(curvature * variance).sum(axis=1) + 0.5 * (
-        off * (np.square(pairs) @ columns)
-    ).sum(axis=(1, 2))
+    square = np.square(curvature * variance).sum(axis=1) + 0.5 * (off * times_squares(columns)).sum(
+        axis=(1, 2)
+    )
     trace = (curvature * variance).sum(axis=1)
     # Where the gradient is nothing but rounding, it has no direction: the mean curvature stands in.
     upright, steep = np.abs(trace) > 0, linear > 1e-9 * square
@@ -257,7 +281,8 @@ def _centre_of(d: Directions, heard: Booleans, moving: Booleans, rows: NDArray[n
     speed = np.sqrt(np.square(v).sum(axis=1))
     links = heard[rows] & moves[:, np.newaxis, :] & moves[:, :, np.newaxis]
     unit = np.divide(v, speed[:, np.newaxis], out=np.zeros_like(v), where=moves[:, np.newaxis])
-    weights, counted = _weights(links)
+    share, counted = _shares(links)
+    weights = links * share[:, :, np.newaxis]
     lifted = np.exp(np.where(moves, d.variance[rows], 0.0) / 2)[:, np.newaxis] * unit
     around = lifted @ np.swapaxes(weights, 1, 2)
     return np.where(counted > 0, (lifted * around).sum(axis=(1, 2)), np.nan)
@@ -285,10 +310,10 @@ def _doubtful_links(
     def cosine(a: NDArray[np.intp], b: NDArray[np.intp]) -> Floats:
         return np.asarray(lift[t, a] * lift[t, b] * (c[t, a] * c[t, b] + s[t, a] * s[t, b]))
 
-    counted = links.any(axis=2).sum(axis=1)
+    of_each = links.sum(axis=2)
     lifted = np.stack([lift * c, lift * s], axis=2)
-    sums = (lifted * (links.astype(float) @ lifted)).sum(axis=2)[t, i]
-    number, count = links.sum(axis=2)[t, i], counted[t]
+    sums = (lifted * _around(links, lifted)).sum(axis=2)[t, i]
+    number, count = of_each[t, i], (of_each > 0).sum(axis=1)[t]
     change = np.where(links[t, i, j], -1, 1)
     own = np.divide(sums, number, out=np.zeros(t.size), where=number > 0)
     after = number + change
@@ -302,10 +327,19 @@ def _doubtful_links(
     return below, above
 
 
+def _around(links: Booleans, directions: Floats) -> Floats:
+    """Return the sums of the neighbours' directions, (T, N, 2)."""
+    if links.shape[2] < TREE_FROM_AGENTS:
+        return np.asarray(links.astype(float) @ directions)
+    return np.stack([csr_array(a) @ x for a, x in zip(links, directions, strict=True)])
+
+
 def _near_the_radius(p: Floats, radius: float | Floats, margin: float) -> tuple[Integers, ...]:
     """Return sample, robot and other robot where their distance is nearly the robot's radius."""
     robots = p.shape[2]
     reach = np.broadcast_to(np.asarray(radius, dtype=float), robots)
+    if robots >= TREE_FROM_AGENTS:
+        return _near_by_tree(p, reach, margin)
     # Half of the pairs, since distances are mutual; all robots at once where radii are alike.
     first, second = np.triu_indices(robots, 1)
     squares = np.square(p[:, 0, first] - p[:, 0, second])
@@ -316,6 +350,20 @@ def _near_the_radius(p: Floats, radius: float | Floats, margin: float) -> tuple[
     if np.ndim(radius):
         t, pair = np.nonzero(np.abs(apart - reach[second]) < margin)
     found.append((t, second[pair], first[pair]))
+    where = [np.concatenate(each) for each in zip(*found, strict=True)]
+    order = np.lexsort(where[::-1])
+    return tuple(each[order] for each in where)
+
+
+def _near_by_tree(p: Floats, reach: Floats, margin: float) -> tuple[Integers, ...]:
+    """Return the same of many robots, most of whose pairs are far apart."""
+    found = []
+    for at, places in enumerate(p):
+        first, second = pairs_within(places, float(reach.max()) + margin)
+        apart = np.sqrt(np.square(places[:, first] - places[:, second]).sum(axis=0))
+        for one, other in ((first, second), (second, first)):
+            near = np.abs(apart - reach[one]) < margin
+            found.append((np.full(int(near.sum()), at), one[near], other[near]))
     where = [np.concatenate(each) for each in zip(*found, strict=True)]
     order = np.lexsort(where[::-1])
     return tuple(each[order] for each in where)

@@ -19,6 +19,7 @@ from posflock_robotarium.alignment.estimators import Motion, estimate
 from posflock_robotarium.alignment.options import TRANSIENT, AnalysisOptions, settled_samples
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.law import neighbours
+from posflock_robotarium.freespace.neighbour_search import TREE_FROM_AGENTS, neighbour_matrices
 from posflock_robotarium.logs.plausibility import Sightings
 from posflock_robotarium.logs.run import Run
 from posflock_robotarium.logs.start import experiment_start
@@ -130,7 +131,8 @@ class MeasuredRun:
             Row i marks the neighbours of robot i; not to be written.
         """
         if len(self.recording.t) * self.recording.robots**2 > KEPT_PAIRS:
-            return neighbours(self.positions[stretch], self.radius)
+            found = neighbour_matrices if self.recording.robots >= TREE_FROM_AGENTS else neighbours
+            return found(self.positions[stretch], self.radius)
         return self.once(_neighbours, stretch.start, stretch.stop)
 
     @cached_property

@@ -46,18 +46,11 @@ def _shift(run: MeasuredRun) -> float | None:
     velocities, positions = run.velocities("savitzky_golay")[rows], run.positions[rows]
     unseen = 1.0 - run.seen[run.settled].mean(axis=0)
 
-    def gamma(without: int | None = None) -> Floats:
-        left = velocities.copy()
-        if without is not None:
-            left[:, :, without] = np.nan
-        return metrics.alignment(left, positions, run.radius, slowest=run.options.slowest).gamma
-
-    whole = gamma()
-    meant: Floats = np.full(run.recording.robots, np.nan)
-    for n in range(run.recording.robots):
-        there = np.isfinite(velocities[:, 0, n])
-        if there.any():
-            meant[n] = float(mean_of_seen(np.abs(whole - gamma(n))[there]))
+    slowest = run.options.slowest
+    whole = metrics.alignment(velocities, positions, run.radius, slowest=slowest).gamma
+    without = metrics.alignment_without_each(velocities, positions, run.radius, slowest=slowest)
+    there = np.isfinite(velocities[:, 0])
+    meant = mean_of_seen(np.where(there, np.abs(whole[:, np.newaxis] - without), np.nan), axis=0)
     if np.isnan(meant).all():
         return float("nan")
     meant[np.isnan(meant)] = np.nanmax(meant)

@@ -28,6 +28,7 @@ from posflock_robotarium.alignment.metrics.connectivity import (
 from posflock_robotarium.alignment.metrics.directions import (
     Alignment,
     alignment,
+    alignment_without_each,
     common_heading,
     heading_vectors,
     polarisation,
@@ -56,6 +57,7 @@ __all__ = [
     "algebraic_connectivity",
     "algebraic_connectivity_of",
     "alignment",
+    "alignment_without_each",
     "cohesive_radius",
     "common_heading",
     "connected_components",

@@ -21,7 +21,7 @@ from barrier_certificates.ties import TIE, beyond
 from posflock_robotarium.alignment.metrics.states import checked_states
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.law import neighbours
-from posflock_robotarium.freespace.neighbour_search import TREE_FROM_AGENTS, neighbour_pairs
+from posflock_robotarium.freespace.neighbour_search import TREE_FROM_AGENTS, neighbours_of_seen
 
 Floats = NDArray[np.float64]
 
@@ -93,6 +93,47 @@ def alignment(
     total = mean.sum(axis=-1)
     gamma = np.divide(total, counted, out=np.full(np.shape(total), np.nan), where=counted > 0)
     return Alignment(np.clip(gamma, -1.0, 1.0), counted)
+
+
+def alignment_without_each(
+    velocities: Floats, positions: Floats, radius: float | Floats, *, slowest: float = 0.0
+) -> Floats:
+    """Return γ as it would be without each of the agents, at the cost of γ itself.
+
+    Parameters
+    ----------
+    velocities, positions : (T, d, N) array
+        m/s and metres.
+    radius : float or (N,) array
+        Interaction radius in metres.
+    slowest : float
+        Speed in m/s that does not count as moving.
+
+    Returns
+    -------
+    (T, N) array
+        Column n is what :func:`alignment` says where agent n is not there.
+    """
+    speed = np.sqrt(np.square(velocities).sum(axis=1))
+    moving = beyond(speed, slowest)
+    found = np.empty(speed.shape)
+    for t, (v, p) in enumerate(zip(velocities, positions, strict=True)):
+        pairs = neighbours_of_seen(p, radius)
+        pairs = pairs.where(moving[t, pairs.agent] & moving[t, pairs.other])
+        e = np.divide(v, speed[t], out=np.zeros_like(v), where=moving[t])
+        cosine = (e[:, pairs.agent] * e[:, pairs.other]).sum(axis=0)
+        number, total = pairs.counts, pairs.sums(cosine[np.newaxis])[0]
+        mean = np.divide(total, number, out=np.zeros_like(total), where=number > 0)
+        # Who has `other` for a neighbour has one less without it, or is no longer counted.
+        left = number[pairs.agent] - 1
+        rest = total[pairs.agent] - cosine
+        new = np.divide(rest, left, out=np.zeros_like(cosine), where=left > 0)
+        changed = np.bincount(pairs.other, new - mean[pairs.agent], pairs.agents)
+        gone = np.bincount(pairs.other, left == 0, pairs.agents)
+        count = (number > 0).sum() - (number > 0) - gone
+        sums = mean.sum() - mean + changed
+        found[t] = np.divide(sums, count, out=np.full_like(sums, np.nan), where=count > 0.5)
+    return np.clip(found, -1.0, 1.0)
 
 
 def heading_vectors(poses: ArrayLike) -> Floats:
@@ -174,13 +215,13 @@ def _neighbour_sums(
     heard: NDArray[np.bool_] | None,
 ) -> tuple[NDArray[np.int_], Floats]:
     """Return how many moving neighbours each agent has, and the sum of their directions."""
-    if p.shape[-1] < TREE_FROM_AGENTS or np.isnan(p).any():
+    if p.shape[-1] < TREE_FROM_AGENTS:
         heard = (neighbours(p, radius) if heard is None else heard) & moving[..., None, :]
         around = np.einsum("...ij,...dj->...di", heard.astype(float), direction)
         return heard.sum(axis=-1), around
     number, around = np.zeros(moving.shape, dtype=int), np.zeros_like(direction)
     for at in np.ndindex(moving.shape[:-1]):
-        pairs = neighbour_pairs(p[at], radius)
+        pairs = neighbours_of_seen(p[at], radius)
         pairs = pairs.where(moving[at][pairs.other])
         number[at] = pairs.counts
         around[at] = pairs.sums(direction[at][:, pairs.other])
