@@ -1,4 +1,4 @@
-"""Thousands of robots are analysed by k-d trees and lists of pairs, to the same results as a few."""
+"""Thousands of robots are analysed by k-d trees and lists of pairs, to the results of a few."""
 
 import numpy as np
 import pytest

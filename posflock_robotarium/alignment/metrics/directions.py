@@ -123,7 +123,7 @@ def alignment_without_each(
         e = np.divide(v, speed[t], out=np.zeros_like(v), where=moving[t])
         cosine = (e[:, pairs.agent] * e[:, pairs.other]).sum(axis=0)
         number, total = pairs.counts, pairs.sums(cosine[np.newaxis])[0]
-        mean = np.divide(total, number, out=np.zeros_like(total), where=number > 0)
+        mean = np.divide(total, number, out=np.zeros(number.shape), where=number > 0)
         # Who has `other` for a neighbour has one less without it, or is no longer counted.
         left = number[pairs.agent] - 1
         rest = total[pairs.agent] - cosine
@@ -132,7 +132,7 @@ def alignment_without_each(
         gone = np.bincount(pairs.other, left == 0, pairs.agents)
         count = (number > 0).sum() - (number > 0) - gone
         sums = mean.sum() - mean + changed
-        found[t] = np.divide(sums, count, out=np.full_like(sums, np.nan), where=count > 0.5)
+        found[t] = np.divide(sums, count, out=np.full(sums.shape, np.nan), where=count > 0)
     return np.clip(found, -1.0, 1.0)
 
 

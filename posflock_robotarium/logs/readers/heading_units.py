@@ -21,6 +21,9 @@ Floats = NDArray[np.float64]
 _SLIDES_ANYHOW = 0.1
 """Share of sideways motion that is no noise, beyond five times that of the other reading."""
 
+_NO_PLACE = 100.0
+"""Metres from the middle of the arena at which no robot is seen."""
+
 _TURN = 2 * math.pi + 0.01
 
 
@@ -58,8 +61,11 @@ def ask_where_degrees(found: Found, where: str) -> None:
                     f"({share:.0%} of their motion is sideways, as radians {as_they_are:.0%}); "
                     + said
                 )
-    known = np.where(np.isfinite(headings), headings, 0.0)
-    begins = np.abs(known[np.argmax(np.isfinite(headings), axis=0), np.arange(known.shape[1])])
+    # A marker for a robot that is lost is no heading, and its place is one, too.
+    with np.errstate(invalid="ignore"):
+        there = np.isfinite(headings) & (np.abs(poses[:, :2]) < _NO_PLACE).all(axis=1)
+    first = np.argmax(there, axis=0), np.arange(headings.shape[1])
+    begins = np.where(there[first], np.abs(headings[first]), 0.0)
     if begins.max() > _TURN:
         raise LayoutError(
             f"{where}: robot {int(begins.argmax())} begins with a heading of {begins.max():.4g}, "
