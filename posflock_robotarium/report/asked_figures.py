@@ -34,7 +34,7 @@ def asked_metrics(analyses: Sequence[Analysis]) -> dict[str, str]:
 
 
 def target_lines(axes: Axes, analyses: Sequence[Analysis], keys: Sequence[str]) -> None:
-    """Draw the limits that metrics have to keep to, in a dash each.
+    """Draw the limits that metrics have to keep to, each in a dash that no curve has.
 
     Parameters
     ----------
@@ -46,7 +46,9 @@ def target_lines(axes: Axes, analyses: Sequence[Analysis], keys: Sequence[str]) 
         Of the metrics.
     """
     limits = {(t.limit, t.unit): None for run in analyses for t in run.targets if t.metric in keys}
-    for (limit, unit), dash in zip(limits, cycle([(0, (4, 1.5)), (0, (1, 1))])):
+    for (limit, unit), dash in zip(
+        limits, cycle([(0, (8, 1.5, 1, 1.5)), (0, (8, 1.5, 1, 1.5, 1, 1.5))])
+    ):
         label = unmathematical(target_text(limit, unit))
         axes.axhline(limit, color=BLACK, linewidth=0.8, linestyle=dash, label=label)
 
