@@ -109,7 +109,7 @@ def test_headings_that_are_no_radians_are_a_question(tmp_path, headings, says):
 def test_parked_robots_tell_degrees_by_where_they_begin(tmp_path):
     parked = np.stack([X[:1] + 0 * X, Y[:1] + 0 * Y, 90.0 + 0 * X], axis=1)
     np.savez(tmp_path / "run.npz", t=T, poses=parked)
-    with pytest.raises(LayoutError, match="heading of 90, more than a whole turn"):
+    with pytest.raises(LayoutError, match="heading of 90, more than four turns"):
         read(tmp_path / "run.npz")
 
 

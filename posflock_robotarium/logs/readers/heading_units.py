@@ -2,7 +2,7 @@
 
 Headings in degrees look like radians to a program: numbers that rise and fall. But robots roll
 where they head, so that where they slide in radians and roll in degrees, degrees it is; and no
-tracker begins with a heading beyond a whole turn. Nothing is converted unasked: it is a question.
+tracker begins with a heading beyond four turns. Nothing is converted unasked: it is a question.
 """
 
 from __future__ import annotations
@@ -24,7 +24,8 @@ _SLIDES_ANYHOW = 0.1
 _NO_PLACE = 100.0
 """Metres from the middle of the arena at which no robot is seen."""
 
-_TURN = 2 * math.pi + 0.01
+_FOUR_TURNS = 8 * math.pi
+"""Radians, beyond which no log begins, wherever its turns are counted from."""
 
 
 def ask_where_degrees(found: Found, where: str) -> None:
@@ -66,10 +67,10 @@ def ask_where_degrees(found: Found, where: str) -> None:
         there = np.isfinite(headings) & (np.abs(poses[:, :2]) < _NO_PLACE).all(axis=1)
     first = np.argmax(there, axis=0), np.arange(headings.shape[1])
     begins = np.where(there[first], np.abs(headings[first]), 0.0)
-    if begins.max() > _TURN:
+    if begins.max() > _FOUR_TURNS:
         raise LayoutError(
             f"{where}: robot {int(begins.argmax())} begins with a heading of {begins.max():.4g}, "
-            "more than a whole turn of 6.28 rad: say --degrees where these are degrees, or write "
+            "more than four turns of 6.28 rad: say --degrees where these are degrees, or write "
             "them within ±π"
         )
 
