@@ -77,6 +77,8 @@ class Arena:
         Steps done.
     steps_to_start : int
         How many of them drove the robots to initial conditions.
+    driving_to_start : bool
+        Whether such a drive is under way.
     violations : Violations
         What would be held against the run on the testbed.
     """
@@ -100,6 +102,7 @@ class Arena:
         self.velocities: Array = self.commands
         self.wheel_velocities: Array = self.commands
         self.steps = self.steps_to_start = 0
+        self.driving_to_start = False
         self.time = 0.0
         self.violations = Violations()
         self._observed: Array | None = None  # as seen since the last step

@@ -204,14 +204,18 @@ def drive_to(
         They did not arrive; the message says which, and how far they were.
     """
     drive = InitialDrive(targets, arena.robot, rng)
-    for _ in drive.steps():
-        poses = arena.observe()
-        if drive.arrived(poses):
-            break
-        arena.commands = drive.commands(poses)
-        arena.step()
-        arena.steps_to_start += 1
-        after_step()
-    else:
-        raise drive.failure(arena.observe())
+    arena.driving_to_start = True
+    try:
+        for _ in drive.steps():
+            poses = arena.observe()
+            if drive.arrived(poses):
+                break
+            arena.commands = drive.commands(poses)
+            arena.step()
+            arena.steps_to_start += 1
+            after_step()
+        else:
+            raise drive.failure(arena.observe())
+    finally:
+        arena.driving_to_start = False
     arena.commands = np.zeros((2, arena.number_of_robots))

@@ -108,14 +108,23 @@ def in_state(page, condition):
 
 
 def test_the_nine_robots_are_held_stepped_and_retuned_from_the_page(browser, tmp_path):
-    words = ["--speed", "max", "--initial", "exact", "-o", "kept", str(NINE), "--duration", "500"]
+    words = ["--speed", "max", "--paused", "-o", "kept", str(NINE), "--duration", "500"]
     with served(tmp_path, *words) as said:
         page = opened(browser, said["url"])
-        in_state(page, "s.frame && s.frame.links && s.flock")
+        in_state(page, "s.frame && s.phase === 'running'")
+        assert page.locator("#phase").text_content() == "paused, driving to the start"
+        page.keyboard.press(" ")
+        in_state(page, "s.frame && s.frame.links && s.flock && !s.frame.driving_to_start")
         page.keyboard.press(" ")
         in_state(page, "s.settings.paused")
         assert page.locator("#phase").text_content() == "paused"
         step = page.evaluate("posflock.state.frame.step")
+        assert page.locator("#beside-clock").text_content() == f"step {step}"
+        legend = page.locator("#legend li:visible")
+        assert legend.count() == 7
+        page.locator("#links").uncheck()
+        page.locator("#barriers").uncheck()
+        assert [text[:8] for text in legend.all_text_contents()] == ["trail, t", "too clos"]
         page.keyboard.press(".")
         in_state(page, f"s.frame.step === {step + 1}")
         page.locator("#law-radius").fill("1.5")

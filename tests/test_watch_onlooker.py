@@ -60,7 +60,9 @@ print("ticks", *np.round(np.diff(ticks), 3))
 def watched(tmp_path):
     """Run a script in this process with requests that wait for it; return what it told."""
 
-    def run(source, requests=(), settings=Settings(speed=None), generation=2, late=None):  # noqa: B008
+    def run(
+        source, requests=(), settings=Settings(speed=None), generation=2, late=None, initial="exact"
+    ):  # noqa: B008
         script = tmp_path / "script.py"
         script.write_text(source)
         out, into = os.pipe()
@@ -80,7 +82,7 @@ def watched(tmp_path):
             return run.logs[-1]
 
         plan = RunPlan(
-            script=str(script), folder=str(tmp_path), generation=generation, initial="exact",
+            script=str(script), folder=str(tmp_path), generation=generation, initial=initial,
             seed=1, script_seed=1, clock=ClockPolicy.SIMULATED, draws_on_demand=True,
             out=str(tmp_path / "out"),
         )  # fmt: skip
@@ -109,6 +111,17 @@ def test_a_run_that_nobody_asks_anything_shows_itself_and_ends(watched):
     assert first["barrier"] is None
     assert "links" not in first  # nobody tells who is whose neighbour
     assert of_kind(told, "state")[-1]["flock"] is None
+
+
+@pytest.mark.parametrize("generation", [1, 2])
+def test_pictures_say_while_robots_are_driven_to_their_start(watched, generation):
+    _, told, run = watched(STRAIGHT, generation=generation, initial="drive")
+    run.show(last=True)
+    frames = of_kind(told, "frame")
+    steps = run._arena.steps_to_start
+    assert frames[0]["driving_to_start"]
+    assert {f["driving_to_start"] for f in frames if f["step"] < steps} == {True}
+    assert {f["driving_to_start"] for f in frames if f["step"] >= steps} == {False}
 
 
 def test_a_held_run_drives_as_many_steps_as_are_asked_for(watched):

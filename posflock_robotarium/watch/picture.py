@@ -110,6 +110,7 @@ def frame_of(arena: Arena, leds: Floats | None) -> dict[str, Any]:
     return {
         "step": arena.steps,
         "time": round(arena.time, 4),
+        "driving_to_start": arena.driving_to_start,
         "poses": rounded(arena.poses, 4),
         "commands": rounded(arena.commands),
         "leds": colours(leds),

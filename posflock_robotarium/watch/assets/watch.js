@@ -5,7 +5,7 @@ const $ = (id) => document.getElementById(id);
 const { colour, number } = look;
 const TRAIL = 12; // s
 const SENT_APART = 120; // ms between two requests of a slider that moves
-const state = { hello: null, scene: null, frame: null, past: [], settings: null, flock: null, phase: "connecting", outcome: null };
+const state = { hello: null, scene: null, frame: null, past: [], settings: null, flock: null, phase: "connecting", outcome: null, wished: null };
 let socket = null;
 
 /* ---------- the line to the server ---------- */
@@ -39,7 +39,7 @@ const hear = {
     buildLaw(data);
   },
   begin() {
-    Object.assign(state, { scene: null, frame: null, past: [], flock: null });
+    Object.assign(state, { scene: null, frame: null, past: [], flock: null, wished: null });
     $("printed").textContent = "";
     $("barrier").textContent = "No certificate has been asked yet.";
     $("active").replaceChildren();
@@ -61,6 +61,7 @@ const hear = {
     const before = state.phase, paused = state.settings && state.settings.paused;
     Object.assign(state, { settings: data.settings, flock: data.flock, phase: data.phase, outcome: data.outcome });
     if (data.refused) say(data.refused);
+    if (data.refused || data.flock?.model === state.wished) state.wished = null;
     showControls();
     showPhase();
     showOutcome();
@@ -105,10 +106,12 @@ function say(text) { $("spoken").textContent = text; }
 function showPhase() {
   const paused = state.phase === "running" && state.settings.paused;
   const ended = state.phase === "ended" && state.outcome;
-  const word = paused ? "paused" : ended ? state.outcome.ended : state.phase === "lost" ? "no connection" : state.phase;
+  const driving = state.phase === "running" && Boolean(state.frame?.driving_to_start);
+  const drive = driving ? "driving to the start" : "";
+  const word = paused ? ["paused", drive].filter(Boolean).join(", ") : ended ? state.outcome.ended : state.phase === "lost" ? "no connection" : drive || state.phase;
   const bad = state.phase === "lost" || (ended && state.outcome.exit_code !== 0);
   if ($("phase").textContent !== word) $("phase").textContent = word;
-  $("phase").className = `phase ${bad ? "bad" : paused ? "paused" : state.phase}`;
+  $("phase").className = `phase ${bad ? "bad" : paused ? "paused" : driving ? "driving" : state.phase}`;
 }
 function showFacts() {
   const { hello, scene } = state;
@@ -131,8 +134,11 @@ function items() {
 function showNow() {
   const { frame } = state, list = $("now"), found = items();
   $("clock").textContent = `${frame.time.toFixed(1)} s`;
-  $("reached").textContent = frame.reached === null || state.phase !== "running" || state.settings.paused ? "" : `runs at ${number(frame.reached)} ×`;
+  const running = state.phase === "running" && !state.settings.paused;
+  $("beside-clock").textContent = !running ? `step ${frame.step}` : frame.reached === null ? "" : `runs at ${number(frame.reached)} ×`;
   $("links-label").hidden = !frame.links;
+  showPhase();
+  showLegend();
   if (list.childElementCount !== found.length)
     list.replaceChildren(...found.map(() => { const d = document.createElement("div"); d.append(document.createElement("dt"), document.createElement("dd")); return d; }));
   found.forEach(([label, text], k) => {
@@ -142,6 +148,13 @@ function showNow() {
   showBarrier(frame.barrier);
   const words = found.map(([label, text]) => `${label} ${text}`).join(", ");
   $("arena").setAttribute("aria-label", `The arena from above at ${frame.time.toFixed(1)} s: ${words}.`);
+}
+/* Of what is drawn now. */
+function showLegend() {
+  for (const item of document.querySelectorAll("#legend [data-of]")) {
+    const { of } = item.dataset;
+    item.hidden = !$(of).checked || (of === "links" && !state.frame?.links) || (of === "barriers" && !state.frame?.barrier);
+  }
 }
 function showBarrier(barrier) {
   if (!barrier) return;
@@ -188,7 +201,7 @@ function buildLaw({ ranges, models }) {
   $("models").replaceChildren(...Object.entries(models).map(([name, words]) => {
     const label = document.createElement("label"), input = document.createElement("input");
     Object.assign(input, { type: "radio", name: "model", value: name });
-    input.addEventListener("change", () => ask({ do: "law", model: name }));
+    input.addEventListener("change", () => { state.wished = name; ask({ do: "law", model: name }); });
     label.append(input, words);
     return label;
   }));
@@ -209,7 +222,8 @@ function showControls() {
     if (one && !input.moves()) { input.value = value; input.told(); if (Math.abs(Number(input.value) - value) > span.step / 100) $(`value-${name}`).textContent = `${number(value)} ${span.unit}`; }
     if (!one) $(`value-${name}`).textContent = "per robot";
   }
-  for (const input of document.querySelectorAll("#models input")) input.checked = input.value === flock.model;
+  const model = state.wished ?? flock.model; // an answer to an earlier request does not undo the click
+  for (const input of document.querySelectorAll("#models input")) input.checked = input.value === model;
 }
 const toggle = () => { if (!$("play").disabled) ask({ do: state.settings?.paused ? "go" : "pause" }); };
 const step = () => { if (!$("step").disabled) ask({ do: "step", steps: 1 }); };
@@ -223,7 +237,7 @@ $("step").addEventListener("click", step);
 $("again").addEventListener("click", () => ask({ do: "again" }));
 $("speed").addEventListener("change", setSpeed);
 $("profile").addEventListener("change", (event) => ask({ do: "profile", name: event.target.value }));
-for (const id of ["trails", "links", "barriers", "labels"]) $(id).addEventListener("change", draw);
+for (const id of ["trails", "links", "barriers", "labels"]) $(id).addEventListener("change", () => { draw(); showLegend(); });
 $("theme").addEventListener("click", () => { look.turn(); repaint(); });
 look.dark.addEventListener("change", repaint);
 function repaint() { look.apply(); draw(); }
