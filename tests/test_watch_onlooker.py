@@ -55,14 +55,14 @@ for k in range(20):
 print("ticks", *np.round(np.diff(ticks), 3))
 """
 
+FAST = Settings(speed=None)
+
 
 @pytest.fixture
 def watched(tmp_path):
     """Run a script in this process with requests that wait for it; return what it told."""
 
-    def run(
-        source, requests=(), settings=Settings(speed=None), generation=2, late=None, initial="exact"
-    ):  # noqa: B008
+    def run(source, requests=(), settings=FAST, generation=2, late=None, initial="exact"):
         script = tmp_path / "script.py"
         script.write_text(source)
         out, into = os.pipe()
