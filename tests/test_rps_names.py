@@ -3,12 +3,15 @@
 import importlib
 import inspect
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+import rps_compat
 from rps_compat import deviations
 from rps_compat.deferred import Deferred, MissingExtraError
 
@@ -61,6 +64,33 @@ def test_signatures_are_the_published_ones(generation, module, name, signature, 
         ):
             assert inner.__name__ == inner_name
             assert parameters(inner) == inner_signature
+
+
+def table_of_generation_2():
+    """Return what the page shows: of each module its calls, with the calls of what they make."""
+    page = (Path(__file__).parents[1] / "docs/reference/utilities.md").read_text(encoding="utf-8")
+    section = page.split("## Every name of generation 2\n")[1].split("\n## ")[0]
+    found = {}
+    for header, *rows in (t.splitlines() for t in section.split("\n\n") if t.startswith("|")):
+        shown = found[header.split("`")[1]] = {}
+        for row in rows[1:]:
+            call, *cells = row.strip("|").split(" | ")
+            made = cells[0] if "makes" in header else ""
+            shown[call.strip(" `").replace("π", repr(np.pi))] = re.findall("`(.*?)`", made)
+    return found
+
+
+def test_the_table_of_generation_2_shows_every_name_as_it_is():
+    expected = {}
+    for path in (Path(rps_compat.__file__).parent / "v2/utilities").glob("[!_]*.py"):
+        module, shown = module_of("v2", path.stem), expected.setdefault(path.stem, {})
+        for name, function in inspect.getmembers(module, inspect.isfunction):
+            if function.__module__ == module.__name__ and name[0] != "_":
+                made = function() if name.startswith("create_") else ()
+                made = made if isinstance(made, tuple) else (made,)
+                inner = [f"{one.__name__}{parameters(one)}" for one in made]
+                shown[f"{name}{parameters(function)}"] = inner
+    assert table_of_generation_2() == expected
 
 
 @pytest.mark.parametrize("generation", ["v1", "v2"])
