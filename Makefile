@@ -22,7 +22,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK = 1
 # Tests start hundreds of Pythons: what all of them import is compiled once, also where an image says otherwise.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test docs docs-browser docs-links wheel test-slow test-numpy1 test-portable coverage mutants lint bench bench-nine bench-rps bench-barriers bench-verify \
+.PHONY: demo test docs docs-browser docs-links pictures wheel test-slow test-numpy1 test-portable coverage mutants lint bench bench-nine bench-rps bench-barriers bench-verify \
 	bench-report bench-fuzz bench-faults bench-paper bench-machines bench-reality bench-batch bench-plot lock clean help
 .DEFAULT_GOAL := help
 
@@ -66,6 +66,9 @@ docs-browser: docs $(VENV)/.dev  ## that site in Chromium: axe-core, wide and na
 
 docs-links: $(VENV)/.docs  ## every address outside of the project that the documentation names (asks the network)
 	$(BIN)/python -m tools.documentation --external
+
+pictures: $(VENV)/.dev  ## the pictures of the documentation that show figure, report and live page, renewed
+	$(BIN)/python tools/pictures.py
 
 test-slow: $(VENV)/.dev  ## the tests that take minutes
 	$(BIN)/python -m pytest -m slow $(PYTEST_ARGS)

@@ -134,13 +134,13 @@ def _script(path: Path) -> None:
         "SPEED = 0.08\n"
         "start = np.array([[-0.5, 0.5], [0.3, -0.3], [0.0, np.pi]])\n"
         "r = Robotarium(number_of_robots=2, initial_conditions=start)\n"
-        "seen = []\n"
+        "seen, gates = [], [0.2, 0.4]\n"
         "try:\n"
         "    for k in range(STEPS):\n"
         "        x = r.get_poses()\n"
         "        seen.append(x)\n"
-        "        if k in (100, 200):\n"
-        "            print(f'[t={k * 0.033:5.1f}s] at gate {k}')\n"
+        "        if gates and np.hypot(*(x - start)[:2, 0]) > gates[0]:\n"
+        "            print(f'[t={k * 0.033:5.1f}s] at gate {gates.pop(0)}')\n"
         "        r.set_velocities(np.arange(2), np.array([[SPEED, SPEED], [0.0, 0.0]]))\n"
         "        r.step()\n"
         "finally:\n"
@@ -149,9 +149,9 @@ def _script(path: Path) -> None:
     )
 
 
-def _poses(robots: int = 3) -> tuple[np.ndarray, np.ndarray]:
-    t = 0.033 * np.arange(600)
-    poses = np.zeros((600, 3, robots))
+def _poses(robots: int = 3, steps: int = 600) -> tuple[np.ndarray, np.ndarray]:
+    t = 0.033 * np.arange(steps)
+    poses = np.zeros((steps, 3, robots))
     poses[:, 0] = 0.02 * t[:, np.newaxis] + np.linspace(-0.6, 0.0, robots)
     poses[:, 1] = np.linspace(-0.2, 0.3, robots)
     return t, poses
@@ -163,8 +163,8 @@ def _mat(path: Path) -> None:
     savemat(path, {path.stem: _poses()[1].transpose(1, 2, 0)})
 
 
-def _csv(path: Path) -> None:
-    t, poses = _poses(robots=2)
+def _csv(path: Path, steps: int = 600) -> None:
+    t, poses = _poses(robots=2, steps=steps)
     rows = np.column_stack([t, poses[:, :, 0], poses[:, :, 1]])
     np.savetxt(path, rows, delimiter=",", fmt="%.6f")
 
@@ -202,11 +202,12 @@ FILES: dict[str, Callable[[Path], None]] = {
     "poses.mat": _mat,
     "robotarium_data.mat": _mat,
     "table.csv": _csv,
+    "tracked.csv": lambda path: _csv(path, 1800),
     "track.csv": _track,
     "flat.npy": _flat,
     "run.npz": _commanded,
     "steps.txt": lambda path: np.savetxt(path, np.full(899, 0.0352)),
-    "printed.txt": lambda path: path.write_text("[t=  3.5s] at gate 100\n[t=  7.1s] at gate 200\n"),
+    "printed.txt": lambda path: path.write_text("[t=  3.2s] at gate 0.2\n[t=  6.2s] at gate 0.4\n"),
     "main.py": _script,
     "formation.py": _script,
 }

@@ -70,7 +70,7 @@ def test_every_string_of_a_log_is_escaped():
     for runs, plain in (([hostile], [clean]), ([hostile, hostile], [clean, clean])):
         seen, expected = Document(render(runs)), Document(render(plain))
         # Hostile strings are words on the page, and nothing else: no element more.
-        assert seen.elements.count("script") == expected.elements.count("script") == 5
+        assert seen.elements.count("script") == expected.elements.count("script") == 6
         assert "img" not in seen.elements
         assert not [name for _, name, _ in seen.attributes if name.startswith("on")]
         assert HOSTILE in "".join(seen.words)
@@ -113,7 +113,7 @@ def test_the_policy_names_the_scripts_that_are_there(analysis):
 
     page = render([analysis])
     scripts = re.findall(r"<script>(.*?)</script>", page, re.S)
-    assert len(scripts) == 4
+    assert len(scripts) == 5  # uPlot, look, arena, recorded, report
     for script in scripts:
         digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
         assert f"sha256-{digest}" in page

@@ -12,6 +12,7 @@ from barrier_certificates import ties
 from posflock_robotarium.alignment.band_words import band_sentence
 from posflock_robotarium.alignment.run_verdict import Mark, RunVerdict
 from posflock_robotarium.alignment.verdict_words import (
+    angle_text,
     bias_text,
     gamma_text,
     length_text,
@@ -197,7 +198,7 @@ def _of_noise(v: Mapping[str, float], flocking: bool) -> RunVerdict:
             f"{tracked}; nothing moves.{gaps}",
         )
     because = (
-        f"{tracked}, so a direction of motion is sure to {math.degrees(course):.2g}° and γ from "
+        f"{tracked}, so a direction of motion is sure to {angle_text(course)} and γ from "
         f"motion is under-read by {bias_text(bias)}; {band_sentence(v)} Raw differences read "
         f"{gamma_text(v['gamma_differences'])}.{gaps}"
     )

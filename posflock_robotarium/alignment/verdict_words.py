@@ -61,6 +61,18 @@ def bias_text(bias: float) -> str:
     return f"about {bias:.1g}" if bias >= 1e-4 else "less than 0.0001"
 
 
+def angle_text(radians: float) -> str:
+    """Return a small angle in degrees, in two digits.
+
+    Parameters
+    ----------
+    radians : float
+        The angle, rad.
+    """
+    degrees = math.degrees(radians)
+    return f"{degrees:.2g}°" if degrees >= 0.001 else "less than 0.001°"
+
+
 def length_text(metres: float) -> str:
     """Return a small length in millimetres.
 

@@ -73,7 +73,7 @@ def render(analyses: Sequence[Analysis], comparison: Comparison | None = None) -
     if comparison is not None:
         analyses = comparison.analyses
     shared = [asset(name) for name in SHARED_SCRIPTS]
-    scripts = [_own("uPlot.iife.min.js"), *shared, _own("report.js")]
+    scripts = [_own("uPlot.iife.min.js"), *shared, _own("recorded.js"), _own("report.js")]
     title = " · ".join(analysis.name for analysis in analyses[:4])
     if len(analyses) > 4:
         title += f" and {len(analyses) - 4} more"

@@ -4,59 +4,16 @@
 const $ = (id) => document.getElementById(id);
 const data = JSON.parse($("data").textContent);
 const { colour, number } = look;
+const { floats } = recorded;
 
-const bytes = (b64) => Uint8Array.from(atob(b64), (c) => c.charCodeAt(0)).buffer;
-const floats = (b64) => new Float32Array(bytes(b64));
-
-/* ---------- runs: poses as they were quantised, turned back when asked for ---------- */
-const runs = data.runs.map((run) => ({ ...run, t: floats(run.t), q: new Uint16Array(bytes(run.poses)) }));
+/* ---------- runs, and the time that they share ---------- */
+const runs = data.runs.map(recorded.decoded);
 let run = runs[0];
 const many = runs.length > 1;
 const origin = () => (many ? run.start : 0); // several runs share a clock that starts with each experiment
 const begin = () => (many ? 0 : run.t[0]);
 const end = () => run.t[run.t.length - 1] - origin();
-
-function frameAt(time) {
-  let low = 0, high = run.t.length - 1;
-  const wanted = time + origin();
-  while (low < high) {
-    const middle = (low + high + 1) >> 1;
-    if (run.t[middle] <= wanted) low = middle; else high = middle - 1;
-  }
-  return low;
-}
-function poseOf(frame, robot) {
-  const n = run.robots, base = frame * 3 * n;
-  if (run.q[base + robot] === 65535) return null; // not seen
-  return [
-    run.low[0] + (run.q[base + robot] / 65534) * run.span[0],
-    run.low[1] + (run.q[base + n + robot] / 65534) * run.span[1],
-    (run.q[base + 2 * n + robot] / 65534) * 2 * Math.PI,
-  ];
-}
-function lastSeen(frame, robot) {
-  for (let k = frame; k >= 0; k--) {
-    const pose = poseOf(k, robot);
-    if (pose) return pose;
-  }
-  return null;
-}
-/* Between two frames robots move in a straight line, unless a gap lies between. */
-function posesAt(time) {
-  const frame = frameAt(time), next = Math.min(frame + 1, run.t.length - 1);
-  const length = run.t[next] - run.t[frame];
-  let share = length > 0 ? Math.min(1, Math.max(0, (time + origin() - run.t[frame]) / length)) : 0;
-  if (length > 0.5) share = 0;
-  const poses = [];
-  for (let i = 0; i < run.robots; i++) {
-    const a = poseOf(frame, i), b = share > 0 ? poseOf(next, i) : null;
-    if (a && b) {
-      const turn = Math.atan2(Math.sin(b[2] - a[2]), Math.cos(b[2] - a[2]));
-      poses.push([a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]), a[2] + share * turn]);
-    } else poses.push(a);
-  }
-  return poses;
-}
+const frameAt = (time) => recorded.frameAt(run, time + origin());
 
 /* ---------- time: one clock for arena, slider and curves ---------- */
 const state = { time: begin(), playing: false, speed: 4, zoom: null };
@@ -99,33 +56,15 @@ function setPlaying(on) {
 /* ---------- the arena ---------- */
 const TRAIL = 12;
 const sizeArena = () => arenaPicture.size(arena, run.arena);
-function trailOf(robot, first, frame, pose) {
-  const points = [], step = Math.max(1, Math.floor((frame - first) / 120));
-  let when = run.t[first];
-  for (let k = first; k <= frame; k += step) {
-    const p = poseOf(k, robot);
-    if (!p || run.t[k] - when >= 0.5 * step) points.push(null); // nobody knows how it went there
-    if (p) { points.push(p); when = run.t[k]; }
-  }
-  if (pose && points[points.length - 1]) points.push(pose);
-  return points;
-}
-function linksAmong(poses) {
-  const links = [];
-  for (let i = 0; i < run.robots; i++)
-    for (let j = i + 1; j < run.robots; j++)
-      if (poses[i] && poses[j] && Math.hypot(poses[i][0] - poses[j][0], poses[i][1] - poses[j][1]) < Math.max(run.radius[i], run.radius[j])) links.push([i, j]);
-  return links;
-}
 function drawArena() {
-  const poses = posesAt(state.time), frame = frameAt(state.time), first = frameAt(state.time - TRAIL), troubled = new Set();
+  const poses = recorded.posesAt(run, state.time + origin()), frame = frameAt(state.time), first = frameAt(state.time - TRAIL), troubled = new Set();
   for (const event of run.events)
     if (state.time + origin() >= event.t - 0.05 && state.time + origin() <= Math.max(event.end, event.t + 0.4)) event.robots.forEach((i) => troubled.add(i));
   arenaPicture.draw(arena, colour, {
     arena: run.arena, poses, troubled, labels: $("labels").checked,
-    lastSeen: (i) => lastSeen(frame, i),
-    trails: $("trails").checked ? poses.map((pose, i) => trailOf(i, first, frame, pose)) : [],
-    links: $("links").checked && run.radius.length ? linksAmong(poses) : [],
+    lastSeen: (i) => recorded.lastSeen(run, frame, i),
+    trails: $("trails").checked ? poses.map((pose, i) => recorded.trailOf(run, i, first, frame, pose)) : [],
+    links: $("links").checked && run.radius.length ? recorded.linksAmong(run, poses) : [],
   });
 }
 
