@@ -32,11 +32,22 @@ def test_the_version_is_the_same_wherever_it_stands():
         assert set(wheels) == {VERSION}
 
 
-def test_what_nobody_could_know_is_first_on_the_release_list():
-    settings, page = text("setup.cfg"), text("docs/how-to/release.md")
-    (address,) = set(re.findall(r"https://[\w.-]+\.example", settings))
-    if address:
-        assert address in page.split("Then, for every release")[0]
+def test_what_nobody_could_know_stands_in_one_place_and_first_on_the_release_list():
+    (address,) = re.findall(r"^url = (\S+)$", text("setup.cfg"), re.M)
+    if ".example" in address:
+        assert address in text("docs/how-to/release.md").split("Then, for every release")[0]
+    host = address.removeprefix("https://")
+    folders = ("barrier_certificates", "rps_compat", "posflock_robotarium", "docs", "experiments")
+    files = [path for path in ROOT.iterdir() if path.is_file()]
+    files += [path for folder in folders for path in (ROOT / folder).rglob("*")]
+    endings = {".py", ".md", ".cfg", ".toml", ".cff", ".html", ".j2", ".js", ".ipynb"}
+    named = {
+        path.relative_to(ROOT).as_posix()
+        for path in files
+        if path.suffix in endings and host in path.read_text("utf-8")
+    }
+    assert named <= {"setup.cfg", "docs/how-to/release.md", "CITATION.cff"}
+    assert text("setup.cfg").count(address) == 1
 
 
 def test_what_1_x_keeps_is_there():
