@@ -47,8 +47,7 @@ def opened(address: str, high: int) -> Iterator[Any]:
         raise SystemExit("pictures of pages need chromium on the PATH")
     with sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
-        size = {"width": WIDE, "height": high}
-        page = browser.new_page(viewport=size, color_scheme="light")
+        page = browser.new_page(viewport={"width": WIDE, "height": high}, color_scheme="light")
         page.goto(address)
         yield page
         browser.close()
