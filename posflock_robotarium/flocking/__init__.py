@@ -13,6 +13,8 @@ placement           starts that fit into the arena
 pose_log            every pose and command on disk, whatever ends the run
 row_file            rows that no kill and no full disk takes back
 constants_on_board  what the script's Robotarium says of its robots and its arena
+goal_view           what a robot on the way to its goal sees, as a policy takes it
+trained_policy      a small network that was trained elsewhere: numbers in a file, and numpy
 progress            a line that counts steps
 errors              what is raised
 ==================  ==================================================================
@@ -27,6 +29,7 @@ __all__ = [
     "drive_limits",
     "errors",
     "flock",
+    "goal_view",
     "law",
     "neighbour_memory",
     "paper_models",
@@ -35,4 +38,5 @@ __all__ = [
     "pose_log",
     "progress",
     "steering",
+    "trained_policy",
 ]

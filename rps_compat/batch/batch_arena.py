@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from barrier_certificates.batch.compiling import Engine, is_compiled, over_teams
 from rps_compat.arena import require_finite
@@ -172,6 +172,45 @@ class BatchArena:
         self._held = self.commands
         self._observed = None
         self.steps += steps
+
+    def restart(self, teams: Sequence[int] | NDArray[np.intp], poses: ArrayLike) -> None:
+        """Let some teams begin anew in the ideal arena: their poses, at rest, nothing counted.
+
+        The clock is that of all teams, and goes on.
+
+        Parameters
+        ----------
+        teams : (K,) array
+            Which teams.
+        poses : (K, 3, N) array
+            Where their robots stand now, m and rad.
+
+        Raises
+        ------
+        InitialConditionsError
+            If the poses are not of shape (K, 3, N), or not finite.
+        CommandError
+            Under a realism profile, whose motors and streams know all teams: begin another arena.
+        """
+        if self.realism is not None:
+            raise CommandError(
+                "a team cannot begin anew under a realism profile: expected the ideal arena; make"
+                " another BatchArena for such teams"
+            )
+        fresh = np.asarray(poses, dtype=float)
+        chosen = np.asarray(teams, dtype=np.intp)
+        if fresh.shape != (chosen.size, *self.poses.shape[1:]) or not np.isfinite(fresh).all():
+            raise InitialConditionsError(
+                f"poses have shape {fresh.shape}; expected {(chosen.size, *self.poses.shape[1:])},"
+                " finite numbers, for the teams that begin anew"
+            )
+        self.poses[chosen] = fresh
+        commands = self.commands.copy()
+        commands[chosen] = 0.0
+        self.commands = self.velocities = commands
+        self.tally.steps[:, chosen] = 0
+        self.tally.by_robot[:, chosen] = 0
+        self.tally.extremes[:, chosen] = [[0.0], [np.inf]]
 
     def step_team(self, team: int, commands: Array) -> None:
         """Do a step of one team alone, in the ideal arena; `rolled` tells when all have done it.
