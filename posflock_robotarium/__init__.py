@@ -14,6 +14,7 @@ __all__ = [
     "figures",
     "flocking",
     "freespace",
+    "learning",
     "logs",
     "new_script",
     "paper",

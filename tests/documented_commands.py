@@ -33,7 +33,11 @@ ELSEWHERE = {
 #: Pages whose commands, with what they print, have a test of their own.
 PAGES_ELSEWHERE = {"own-question.md": "test_own_question_page.py"}
 #: Words that make a command do the same for fewer runs.
-LIGHTER = {"posflock reproduce": "--seeds 2", "posflock verify": "-n 2"}
+LIGHTER = {
+    "posflock reproduce": "--seeds 2",
+    "posflock verify": "-n 2",
+    "python mine/mine_train.py": "--generations 1",  # all of it: test_learning_policies.py
+}
 #: Words that make a command end by itself; its own come after them.
 ENDING = {"posflock watch": "--no-open --no-stay --speed max"}
 #: Exit codes that mean that something was found.

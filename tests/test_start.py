@@ -81,7 +81,7 @@ def test_a_notebook_runs_from_top_to_bottom(tmp_path):
 
 @pytest.mark.parametrize("experiment", ExperimentKind)
 def test_a_new_script_runs_logs_itself_and_its_metric_reads_the_log(experiment, tmp_path):
-    script, metric, readme = write_script("mine", experiment, tmp_path)
+    script, metric, readme, *_ = write_script("mine", experiment, tmp_path)
     short = script.read_text().replace(f"DURATION = {experiment.kind.duration}", "DURATION = 3.0")
     assert "DURATION = 3.0" in short
     script.write_text(short)
@@ -100,7 +100,7 @@ def test_a_new_script_runs_logs_itself_and_its_metric_reads_the_log(experiment, 
 @pytest.mark.slow
 @pytest.mark.parametrize("experiment", ExperimentKind)
 def test_a_new_script_passes_verify_and_does_what_it_is_for(experiment, tmp_path):
-    script, metric, _ = write_script("mine", experiment, tmp_path)
+    script, metric, *_ = write_script("mine", experiment, tmp_path)
     posflock = [sys.executable, "-m", "posflock_robotarium"]
     command = [*posflock, "verify", "mine.py", "-n", "5", "--json"]
     done = subprocess.run(command, cwd=script.parent, capture_output=True, text=True, check=False)
@@ -148,7 +148,9 @@ def test_a_new_script_never_overwrites(tmp_path):
 
 def test_a_new_scripts_metric_joins_a_report_and_its_readme_has_a_study(tmp_path):
     for experiment in ExperimentKind:
-        script, metric, readme = write_script(f"my_{experiment.name.lower()}", experiment, tmp_path)
+        script, metric, readme, *_ = write_script(
+            f"my_{experiment.name.lower()}", experiment, tmp_path
+        )
         poses = np.zeros((60, 3, experiment.kind.robots))
         poses[:, :2] = np.random.default_rng(0).uniform(-0.9, 0.9, (2, experiment.kind.robots))
         poses[30:, :, 0] = np.nan  # who is not seen

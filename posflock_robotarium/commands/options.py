@@ -248,7 +248,7 @@ ExamplesFolder = Annotated[Path, typer.Option("-o", "--out", help="Folder for th
 NewName = Annotated[str, typer.Argument(help="Of the script, as Python has names: my_flock.")]
 NewKind = Annotated[
     str,
-    typer.Option(metavar="KIND", help="flocking, formation, coverage or swarm-swap."),
+    typer.Option(metavar="KIND", help="flocking, formation, coverage, swarm-swap or policy."),
 ]
 NewFolder = Annotated[
     Path,

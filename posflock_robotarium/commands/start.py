@@ -71,6 +71,8 @@ def new(
         posflock new my_flock
 
         posflock new my_cover --kind coverage -o experiments
+
+        posflock new my_team --kind policy
     """
     from posflock_robotarium.flocking.errors import ParameterError
     from posflock_robotarium.new_script import ExperimentKind, write_script

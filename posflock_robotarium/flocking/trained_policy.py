@@ -199,7 +199,7 @@ class TrainedPolicy:
         headings : (N,) array
             Where robots look, rad.
         speed : float
-            What an action of length 1 means, m/s; longer ones are shortened to it.
+            What an action of 1 means, m/s; what the motors can do is the certificate's to say.
 
         Returns
         -------
@@ -217,6 +217,6 @@ class TrainedPolicy:
                 f"expected two outputs, ahead and left, and a finite speed; got {self.sizes[-1]}"
                 f" and {speed!r}"
             )
-        ahead, left = (action / np.maximum(np.hypot(*action.T)[:, None], 1.0)).T
+        ahead, left = action.T
         cosine, sine = np.cos(headings), np.sin(headings)
         return speed * np.stack([cosine * ahead - sine * left, sine * ahead + cosine * left])

@@ -52,10 +52,10 @@ class EvolutionSettings:
         Where a number makes no sense.
     """
 
-    generations: int = 60
+    generations: int = 100
     pairs: int = 16
-    noise: float = 0.1
-    step: float = 0.05
+    noise: float = 0.15
+    step: float = 0.1
     seed: int = 0
 
     def __post_init__(self) -> None:

@@ -31,7 +31,7 @@ __all__ = ["TeamParallelEnv"]
 Singles = NDArray[np.float32]
 
 
-class TeamParallelEnv(ParallelEnv[str, Singles, Singles]):
+class TeamParallelEnv(ParallelEnv[str, Singles, Singles]):  # type: ignore[misc]  # untyped there
     """One team, an agent a robot.
 
     Parameters

@@ -154,7 +154,7 @@ class Teams:
             Before the first `reset`.
         """
         if self._world is None:
-            raise ParameterError("teams have not begun: call reset(seeds) first")
+            raise ParameterError("teams have not begun: expected reset(seeds) first")
         return self._world
 
     def reset(self, seeds: Sequence[int]) -> Floats:

@@ -26,7 +26,7 @@ from posflock_robotarium.learning.evolution import (
 from posflock_robotarium.learning.scenario import Scenario
 from posflock_robotarium.learning.teams import Teams, TeamSettings
 
-__all__ = ["HELD_OUT", "Training", "evaluate", "straight_to_goals", "train"]
+__all__ = ["HELD_OUT", "Training", "evaluate", "held_out_seeds", "straight_to_goals", "train"]
 
 Floats = NDArray[np.float64]
 #: From what robots see (..., N, D) to what they do (..., N, 2).
@@ -46,10 +46,27 @@ class Training:
         What was found.
     evolution : Evolution
         How the search went.
+    search : EvolutionSettings
+        How it was set up.
+    episodes : int
+        How many each candidate drove in a generation.
     """
 
     policy: TrainedPolicy
     evolution: Evolution
+    search: EvolutionSettings
+    episodes: int
+
+
+def held_out_seeds(number: int) -> list[int]:
+    """Return seeds that no training draws, to judge policies by.
+
+    Parameters
+    ----------
+    number : int
+        How many; always the same ones first.
+    """
+    return list(range(HELD_OUT, HELD_OUT + number))
 
 
 def straight_to_goals(seen: Floats) -> Floats:
@@ -73,7 +90,7 @@ def train(
     search: EvolutionSettings,
     *,
     settings: TeamSettings | None = None,
-    episodes: int = 4,
+    episodes: int = 3,
     hidden: Sequence[int] = (16,),
     progress: Progress = lambda done, total, score: None,
 ) -> Training:
@@ -115,7 +132,8 @@ def train(
 
     start = 0.1 * root.standard_normal(TrainedPolicy.numbers(sizes))
     found = evolve(score, start, search, progress)
-    return Training(TrainedPolicy.from_vector(found.vector, sizes), found)
+    policy = TrainedPolicy.from_vector(found.vector, sizes)
+    return Training(policy, found, search, episodes)
 
 
 def evaluate(
@@ -133,7 +151,7 @@ def evaluate(
     act : callable
         From what is seen (B, N, D) to actions (B, N, 2).
     seeds : sequence of B int
-        From `HELD_OUT` on for what training has never seen.
+        `held_out_seeds` are what no training has seen.
     settings : TeamSettings, optional
         Where teams drive; certified, in the ideal arena, by default.
 
@@ -161,7 +179,7 @@ def _returns(teams: Teams, seeds: Sequence[int], act: Acting) -> Floats:
 
 def _act_each(vectors: Floats, sizes: Sequence[int], seen: Floats) -> Floats:
     """Return the actions of P policies, each for its own teams: (P E, N, D) to (P E, N, 2)."""
-    values = seen.reshape(len(vectors), -1, seen.shape[-1])
+    values: Floats = seen.reshape(len(vectors), -1, seen.shape[-1])
     first = 0
     for inputs, outputs in itertools.pairwise(sizes):
         last = first + inputs * outputs

@@ -12,7 +12,7 @@ follow from it. When a team that is over begins anew is the autoreset mode, whic
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,7 @@ from posflock_robotarium.learning.teams import Teams, TeamSettings
 
 try:
     import gymnasium
-    from gymnasium.spaces import Box
+    from gymnasium.spaces import Box, Space
     from gymnasium.utils.seeding import np_random
     from gymnasium.vector import AutoresetMode, VectorEnv
     from gymnasium.vector.utils import batch_space
@@ -42,7 +42,7 @@ _RENDER_MODES = (None, "rgb_array")
 _FRAMES = 30  # a second
 
 
-def spaces_of(scenario: Scenario) -> tuple[Box, Box]:
+def spaces_of(scenario: Scenario) -> tuple[Space[Singles], Space[Singles]]:
     """Return what a team sees and does: boxes (N, D) and (N, 2).
 
     Parameters
@@ -52,7 +52,9 @@ def spaces_of(scenario: Scenario) -> tuple[Box, Box]:
     """
     bound = scenario.observation_bound
     shape = (scenario.robots, scenario.observation_size)
-    return Box(-bound, bound, shape, np.float32), Box(-1.0, 1.0, (scenario.robots, 2), np.float32)
+    seen: Any = Box(-bound, bound, shape, np.float32)
+    done: Any = Box(-1.0, 1.0, (scenario.robots, 2), np.float32)
+    return seen, done
 
 
 def require_render_mode(mode: str | None) -> None:
@@ -104,7 +106,7 @@ class TeamEnv(gymnasium.Env[Singles, Singles]):
     ((4, 13), (4, 2))
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": _FRAMES}
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": _FRAMES}  # noqa: RUF012  # as gymnasium declares it
 
     def __init__(
         self,
@@ -169,7 +171,7 @@ class TeamEnv(gymnasium.Env[Singles, Singles]):
             self._info(),
         )
 
-    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+    def render(self) -> NDArray[np.uint8] | None:
         """Return the arena from above as a (360, 560, 3) array; None without a render mode."""
         if self.render_mode is None:
             return None

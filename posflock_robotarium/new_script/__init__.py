@@ -12,6 +12,7 @@ import keyword
 import re
 from dataclasses import dataclass
 from enum import Enum
+from importlib import resources
 from pathlib import Path
 
 from posflock_robotarium.flocking.errors import OutputError, ParameterError
@@ -42,6 +43,10 @@ class KindOfScript:
         What its report asks of it, as ``--questions`` has it; empty where the log tells that.
     constant, tried : str
         A constant of it that a study may vary, and values for that.
+    speed : float
+        How fast a robot is to be at most, m/s.
+    trained : bool
+        Whether weights belong to it, and a script that trains them.
     """
 
     summary: str
@@ -56,6 +61,8 @@ class KindOfScript:
     questions: str = ""
     constant: str = "SPEED"
     tried: str = "[0.06, 0.09, 0.12]"
+    speed: float = 0.12
+    trained: bool = False
 
     @property
     def asked(self) -> str:
@@ -75,6 +82,7 @@ class ExperimentKind(str, Enum):
     FORMATION = "formation"
     COVERAGE = "coverage"
     SWARM_SWAP = "swarm-swap"
+    POLICY = "policy"
 
     @property
     def kind(self) -> KindOfScript:
@@ -126,6 +134,20 @@ _KINDS = {
         shared="GOALS, METRIC, UNIT, metric",
         given="GOALS",
     ),
+    ExperimentKind.POLICY: KindOfScript(
+        "Policy: eight robots change places as they have learnt to, by weights from a file.",
+        8,
+        60.0,
+        "distance to the goal",
+        "m",
+        "The mean distance of a robot's look-ahead point from where it is to go.",
+        shared="GOALS, METRIC, START, UNIT, metric",
+        given="GOALS",
+        law="`POLICY`, trained by `*_train.py`; `desired`, at the bottom, has it drive",
+        tried="[0.09, 0.12, 0.15]",
+        speed=0.15,
+        trained=True,
+    ),
 }
 
 
@@ -169,10 +191,16 @@ def write_script(name: str, experiment: ExperimentKind, folder: Path) -> list[Pa
         f"{name}_metric.py": f"{experiment.value}_metric.py.j2",
         "README.md": "README.md.j2",
     }
+    if experiment.kind.trained:
+        files[f"{name}_train.py"] = f"{experiment.value}_train.py.j2"
     with written_together(home) as draft:
         for file, template in files.items():
             text = templates.get_template(template).render(name=name, kind=experiment.kind)
             write_whole(draft / file, text)
+        if experiment.kind.trained:
+            weights = resources.files(__name__) / "assets" / f"{experiment.value}_weights.npy"
+            write_whole(draft / f"{name}_weights.npy", weights.read_bytes())
+            files[f"{name}_weights.npy"] = weights.name
     return [home / file for file in files]
 
 

@@ -85,7 +85,9 @@ class Flocking(Scenario):
         moved = points - world.memory["imprint"]  # of j less that of i, over i's neighbours
         count = np.maximum(near.sum(axis=2), 1.0)[:, None]
         mean = np.einsum("bij,bdj->bdi", near, moved) / count
-        change = in_own_frame(np.where(near.any(axis=2)[:, None], mean - moved, 0.0), headings)
+        change = in_own_frame(
+            np.where(near.max(axis=2)[:, None] > 0.0, mean - moved, 0.0), headings
+        )
         x, y = points[:, 0], points[:, 1]
         push_x = np.maximum(0.0, _WALL_REACH - (x - _LEFT)) - np.maximum(
             0.0, _WALL_REACH - (_RIGHT - x)
@@ -103,7 +105,8 @@ class Flocking(Scenario):
         mean = way.mean(axis=2, keepdims=True)
         length = np.hypot(mean[:, 0], mean[:, 1])[:, None]
         along = mean / np.maximum(length, 1e-9)
-        return (way * along).sum(axis=1)
+        rewards: Floats = (way * along).sum(axis=1)
+        return rewards
 
     def done(self, world: World) -> Flags:
         return np.zeros(len(world.time), dtype=bool)

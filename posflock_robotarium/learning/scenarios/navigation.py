@@ -107,7 +107,8 @@ class Navigation(Scenario):
             True for those.
         """
         distance = self.distances(world.true_poses, world.memory["goals"])
-        return ~ties.beyond(distance, self.arrived)
+        here: Flags = ~ties.beyond(distance, self.arrived)
+        return here
 
     def advance(self, world: World) -> None:
         """Note when robots came to stay: the time since which each is at its goal."""
@@ -124,11 +125,11 @@ class Navigation(Scenario):
         after = self.distances(world.true_poses, goals)
         nearer = self.distances(world.before, goals) - after
         late = ties.beyond(after, self.arrived)
-        return nearer - self.haste * world.time_step * late
+        rewards: Floats = nearer - self.haste * world.time_step * late
+        return rewards
 
     def done(self, world: World) -> Flags:
-        done: Flags = self.there(world).all(axis=1)
-        return done
+        return np.asarray(self.there(world).all(axis=1))
 
     def metrics(self, world: World) -> dict[str, Floats]:
         """Return who is at their goals, a share, and since when; others count as the duration."""

@@ -130,16 +130,16 @@ class PredatorPrey(Scenario):
         everyone = np.broadcast_to(team, (teams, self.robots, 3))
         bound = self.observation_bound
         seen = np.concatenate([kind, place, looks, target, everyone, others], axis=-1)
-        return np.clip(seen, -bound, bound)
+        return np.asarray(np.clip(seen, -bound, bound))
 
     def reward(self, world: World) -> Floats:
         worth = world.memory["just_found"] + 5.0 * world.memory["just_captured"]
         shared = worth - self.haste * world.time_step
-        return np.repeat(shared[:, None], self.robots, axis=1)
+        rewards: Floats = np.repeat(shared[:, None], self.robots, axis=1)
+        return rewards
 
     def done(self, world: World) -> Flags:
-        done: Flags = world.memory["captured"].all(axis=1)
-        return done
+        return np.asarray(world.memory["captured"].all(axis=1))
 
     def metrics(self, world: World) -> dict[str, Floats]:
         """Return which shares of the prey were found, and captured."""
