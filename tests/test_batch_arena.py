@@ -113,3 +113,27 @@ def test_what_makes_no_sense_is_refused() -> None:
     with pytest.raises(CommandError, match="team 2: the turn rate of robot 3 is nan"):
         arena.step()
     np.testing.assert_array_equal(arena.poses, starts())
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_teams_that_begin_anew_are_as_if_they_had_just_begun(engine: str) -> None:
+    arena = BatchArena(starts(), engine=engine)
+    arena.commands = np.full((TEAMS, 2, ROBOTS), 0.1)
+    arena.run(20)
+    others = arena.poses[[0, 3]].copy()
+    arena.restart([1, 2], starts()[[2, 1]])
+    fresh = BatchArena(starts()[[2, 1]], engine=engine)
+    np.testing.assert_array_equal(arena.poses[[1, 2]], fresh.poses)
+    np.testing.assert_array_equal(arena.poses[[0, 3]], others)
+    arena.run(10)  # the others go on with their commands, these stand
+    fresh.run(10)
+    assert (arena.poses[[0, 3]] != others).any()
+    np.testing.assert_array_equal(arena.poses[[1, 2]], fresh.poses)
+    for counter in COUNTERS:
+        ours, theirs = getattr(arena.violations, counter), getattr(fresh.violations, counter)
+        np.testing.assert_array_equal(ours[[1, 2]], theirs)
+    with pytest.raises(InitialConditionsError, match=r"\(1, 3, 5\)"):
+        arena.restart([0], starts())
+    real = BatchArena(starts(), realism=load_profile("gritsbot_x"), seeds=range(TEAMS))
+    with pytest.raises(CommandError, match="make another BatchArena"):
+        real.restart([0], starts()[:1])

@@ -41,8 +41,9 @@ def test_the_libraries_own_tests_find_nothing(scenario):
     parallel_seed_test(lambda: TeamParallelEnv(scenario, REAL), num_cycles=15)
 
 
-@pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
-@pytest.mark.parametrize("settings", [IDEAL, REAL], ids=["ideal", "real"])
+@pytest.mark.parametrize(
+    ("settings", "mode"), [(IDEAL, "NextStep"), (REAL, "SameStep")], ids=["ideal", "real"]
+)
 @pytest.mark.parametrize("scenario", SCENARIOS, ids=lambda s: type(s).__name__)
 def test_many_teams_are_what_gymnasium_makes_of_single_ones(scenario, settings, mode):
     many = TeamVectorEnv(scenario, 3, settings, mode)

@@ -165,21 +165,13 @@ def test_a_policy_travels_as_numbers(tmp_path):
         read_policy(tmp_path / "cut.npy")
 
 
-def judged(policy, seeds, engine="auto"):
-    """Return share arrived and mean time of a policy and of driving straight, and collisions."""
-    where = TeamSettings(engine=engine)
-    trained = evaluate(Navigation(), policy.act, seeds, where)
-    straight = evaluate(Navigation(), straight_to_goals, seeds, where)
-    return trained, straight
-
-
 def test_the_weights_that_come_along_are_as_good_as_it_says(tmp_path):
     script, *_ = write_script("mine", ExperimentKind.POLICY, tmp_path)
     policy = read_policy(script.with_name("mine_weights.npy"))
-    trained, straight = judged(policy, held_out_seeds(3), "numpy")
-    assert trained["arrived"].mean() == 1.0
-    assert trained["time"].mean() < 0.75 * straight["time"].mean()
-    assert trained["collisions"].sum() == 0
+    found = evaluate(Navigation(duration=20.0), policy.act, held_out_seeds(3), NUMPY)
+    assert found["arrived"].tolist() == [1.0, 1.0, 1.0]
+    assert found["time"].mean() < 14.0
+    assert found["collisions"].sum() == 0
 
 
 @pytest.mark.slow
@@ -189,7 +181,8 @@ def test_training_anew_from_the_seed_reaches_the_stated_score(tmp_path):
     told = subprocess.run(command, cwd=script.parent, capture_output=True, text=True, check=True)
     assert "generation 100 of 100" in told.stdout
     policy = read_policy(script.parent / "again" / "mine_weights.npy")
-    trained, straight = judged(policy, held_out_seeds(100))
+    trained = evaluate(Navigation(), policy.act, held_out_seeds(100))
+    straight = evaluate(Navigation(), straight_to_goals, held_out_seeds(100))
     assert trained["arrived"].mean() > 0.98
-    assert trained["time"].mean() < 0.75 * straight["time"].mean()
+    assert trained["time"].mean() < 0.7 * straight["time"].mean()
     assert trained["collisions"].sum() == 0

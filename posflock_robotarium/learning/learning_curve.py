@@ -34,6 +34,8 @@ def draw_learning_curve(evolution: Evolution, baseline: float | None = None) -> 
     axes.fill_between(generations, low, high, color=GREY, alpha=0.25, linewidth=0, label=tried)
     axes.plot(generations, evolution.scores, color=BLUE, linewidth=1.2, label="policy")
     if baseline is not None:
-        axes.axhline(baseline, color="black", linestyle="--", linewidth=0.8, label="straight at the goal")
+        axes.axhline(
+            baseline, color="black", linestyle="--", linewidth=0.8, label="straight at the goal"
+        )
     axes.legend(loc="lower right")
     return figure

@@ -53,7 +53,7 @@ def save_training(
     }
     weights, archive, picture = io.BytesIO(), io.BytesIO(), io.BytesIO()
     np.save(weights, training.policy.stored(), allow_pickle=False)
-    np.savez(archive, allow_pickle=False, **training.policy.named(), **about)  # type: ignore[arg-type]
+    np.savez(archive, **(training.policy.named() | about))
     contents = {f"{name}_weights.npy": weights, f"{name}_training.npz": archive}
     if curve is not None:
         curve.savefig(picture, format="png", dpi=200, metadata={"Software": None})
@@ -70,7 +70,7 @@ def read_policy(path: Path | str) -> TrainedPolicy:
     Parameters
     ----------
     path : Path or str
-        The file.
+        What `save_training` has written, or `numpy.save` of `TrainedPolicy.stored`.
 
     Raises
     ------

@@ -43,12 +43,19 @@ _FRAMES = 30  # a second
 
 
 def spaces_of(scenario: Scenario) -> tuple[Space[Singles], Space[Singles]]:
-    """Return what a team sees and does: boxes (N, D) and (N, 2).
+    """Return what a team sees and does, as spaces.
 
     Parameters
     ----------
     scenario : Scenario
         What robots are to do, how many they are, and what they see.
+
+    Returns
+    -------
+    seen : Box of an (N, D) array
+        What robots see.
+    done : Box of an (N, 2) array
+        What they do.
     """
     bound = scenario.observation_bound
     shape = (scenario.robots, scenario.observation_size)
