@@ -115,6 +115,9 @@ def test_navigation_notes_when_robots_came_to_stay():
         lambda: Teams(Navigation(), 0),
         lambda: Teams(Navigation(), 1).step(np.zeros((1, 8, 2))),
         lambda: Teams(Navigation(robots=2), 2, NUMPY).reset([0]),
+        lambda: Teams(
+            Navigation(), 1, TeamSettings(initial=lambda n, rng: np.zeros((3, n + 1)))
+        ).reset([0]),
         lambda: swapped_places(40, np.random.default_rng(0)),
         lambda: evolve(lambda x, k: x[:, 0] * np.nan, [0.0], EvolutionSettings(1)),
     ],

@@ -20,6 +20,6 @@ class LearningLibraryError(PosflockError, ImportError):
 
     def __init__(self, interface: str, library: str | None) -> None:
         super().__init__(
-            f"{interface} needs {library or 'a library'}, which is not installed:"
+            f"{interface} needs {(library or interface).partition('.')[0]}, which is not installed:"
             " pip install 'posflock-robotarium[learn]'"
         )

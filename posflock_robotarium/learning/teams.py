@@ -5,9 +5,10 @@ speed: the command (v, ω) in units of 0.15 m/s and of 3 rad/s. It is held for o
 testbed, 0.033 s; a certificate changes what is unsafe, and the arena drives. Without a certificate
 robots may meet, which is counted.
 
-Teams begin anew one by one. In the ideal arena a team's columns are written over. Under a realism
-profile motors have a past and random numbers an order, so that teams which begin at one moment get
-an arena of their own, a *cohort*; of it, those that have begun anew since only stand there.
+Teams begin anew one by one. In the ideal arena a team's columns are written over. Where something
+has a past that cannot be (motors and random numbers under a realism profile, a certificate that
+predicts or watches for deadlocks), teams which begin at one moment get an arena of their own, a
+*cohort*; of it, those that have begun anew since only stand there.
 """
 
 from __future__ import annotations
@@ -77,6 +78,13 @@ class TeamSettings:
     def __post_init__(self) -> None:
         if not 0.0 < self.speed < np.inf:
             raise ParameterError(f"speed: expected more than 0 m/s, got {self.speed!r}")
+
+    @property
+    def has_a_past(self) -> bool:
+        """Whether motors or certificate remember earlier steps of a team."""
+        watched = self.certificate
+        remembers = watched is not None and (watched.answers_late or watched.deadlock is not None)
+        return self.realism is not None or remembers
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,7 +181,7 @@ class Teams:
         Raises
         ------
         ParameterError
-            Where there are not as many seeds as teams.
+            Where there are not as many seeds as teams, or initial poses are none.
         """
         begun = self._begin(seeds, self.teams)
         poses = begun.pop("poses").astype(float)
@@ -209,7 +217,7 @@ class Teams:
         world, chosen = self.world, np.asarray(teams, dtype=np.intp)
         begun = self._begin(seeds, chosen.size)
         poses = begun.pop("poses").astype(float)
-        if self.settings.realism is None:
+        if not self.settings.has_a_past:
             self._cohorts[0].arena.restart(chosen, poses)
             seen = poses
         else:
@@ -225,8 +233,21 @@ class Teams:
         return self.observe()
 
     def observe(self) -> Floats:
-        """Return what each robot sees now, (B, N, D) array."""
-        return self.scenario.observe(self.world)
+        """Return what each robot sees now, (B, N, D) array.
+
+        Raises
+        ------
+        ParameterError
+            Where the scenario's arrays are of another shape than it says.
+        """
+        seen = self.scenario.observe(self.world)
+        expected = (self.teams, self.scenario.robots, self.scenario.observation_size)
+        if seen.shape != expected:
+            raise ParameterError(
+                f"{type(self.scenario).__name__}.observe: expected an array of shape {expected},"
+                f" got {seen.shape}"
+            )
+        return seen
 
     def metrics(self) -> dict[str, Floats]:
         """Return how each team fares, dict of (B,) arrays: the scenario's words, and its safety.
@@ -282,6 +303,13 @@ class Teams:
             raise ParameterError(f"seeds: expected {teams}, one for each team, got {len(seeds)}")
         initial = self.settings.initial
         begun = [self.scenario.begin(np.random.default_rng(seed), initial) for seed in seeds]
+        expected = (3, self.scenario.robots)
+        for one in begun:
+            if one["poses"].shape != expected or not np.isfinite(one["poses"]).all():
+                raise ParameterError(
+                    f"initial poses: expected finite numbers of shape {expected}, got shape"
+                    f" {one['poses'].shape}"
+                )
         return {name: np.stack([one[name] for one in begun]) for name in begun[0]}
 
 
