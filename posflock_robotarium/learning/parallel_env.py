@@ -46,7 +46,7 @@ class TeamParallelEnv(ParallelEnv[str, Singles, Singles]):  # type: ignore[misc]
     Examples
     --------
     >>> from posflock_robotarium.learning.scenarios.navigation import Navigation
-    >>> env = TeamParallelEnv(Navigation(robots=2))
+    >>> env = TeamParallelEnv(Navigation(robots=2), TeamSettings(engine="numpy"))
     >>> seen, infos = env.reset(seed=0)
     >>> sorted(seen), seen["robot_0"].shape
     (['robot_0', 'robot_1'], (13,))

@@ -107,7 +107,7 @@ class TeamEnv(gymnasium.Env[Singles, Singles]):
     Examples
     --------
     >>> from posflock_robotarium.learning.scenarios.navigation import Navigation
-    >>> env = TeamEnv(Navigation(robots=4))
+    >>> env = TeamEnv(Navigation(robots=4), TeamSettings(engine="numpy"))
     >>> seen, info = env.reset(seed=0)
     >>> seen.shape, env.action_space.shape
     ((4, 13), (4, 2))
