@@ -22,7 +22,7 @@ myst_enable_extensions = ["dollarmath"]
 
 # Every reference has to lead somewhere. Bases from other libraries cannot: no network is asked.
 nitpicky = True
-nitpick_ignore_regex = [("py:class", r"(abc|enum|typing)\..*")]
+nitpick_ignore_regex = [("py:class", r"(abc|enum|typing|gymnasium|pettingzoo)\..*")]
 
 # Single backticks in docstrings name what has an entry, and arguments.
 default_role = "py:obj"

@@ -11,6 +11,7 @@ import contextlib
 import importlib
 import re
 from collections import Counter
+from typing import get_origin
 
 from docutils import nodes
 from sphinx.addnodes import pending_xref
@@ -96,6 +97,7 @@ def setup(app: Sphinx) -> ExtensionMetadata:
     app.connect("missing-reference", resolve)
     app.connect("autodoc-process-docstring", _keep_bars)
     app.connect("autodoc-process-signature", _name_arrays)
+    app.connect("autodoc-process-bases", _without_types)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
 
 
@@ -109,6 +111,13 @@ def _is_there(path: str) -> bool:
     with contextlib.suppress(ImportError):
         return hasattr(importlib.import_module(module), name)
     return False
+
+
+def _without_types(
+    app: Sphinx, name: str, obj: object, options: object, bases: list[object]
+) -> None:
+    """Name the classes that one is made from, without what they are told to hold."""
+    bases[:] = [get_origin(base) or base for base in bases]
 
 
 #: Literals, in which nothing is special, and the bars of absolute values.
