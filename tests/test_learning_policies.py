@@ -48,9 +48,11 @@ def test_what_is_seen_by_hand():
     seen = goal_view(poses, points + np.array([[0.0, -0.6], [0.15, 0.0]]))
     np.testing.assert_allclose(seen[0, :3], [0.0, 0.5, 0.15], atol=1e-12)  # left, half of 0.3 m
     np.testing.assert_allclose(seen[1, :3], [0.0, 1.0, 0.6], atol=1e-12)  # west is left of north
-    weight = 1.0 - np.hypot(0.25, 0.05) / 0.6
-    assert seen[0, 3] == pytest.approx(weight)
-    assert seen[0, 4] == pytest.approx(weight * 0.25 / np.hypot(0.25, 0.05))
+    # The other is 0.25 m ahead and 0.05 m to the left of one, and behind and left of the other.
+    bearing, weight = np.arctan2(0.05, 0.25), 1.0 - np.hypot(0.25, 0.05) / 0.6
+    for robot, angle in ((0, bearing), (1, bearing + np.pi / 2)):
+        kinds = (1.0, np.cos(angle), np.sin(angle), np.cos(2 * angle), np.sin(2 * angle))
+        np.testing.assert_allclose(seen[robot, 3:8], weight * np.array(kinds), atol=1e-12)
 
 
 # --- Scenarios -----------------------------------------------------------------------------------
