@@ -44,6 +44,9 @@ class ArenaPicture:
         self._axes.set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
         for spine in self._axes.spines.values():
             spine.set_visible(False)
+        self._axes.set_title("t = 0.0 s", fontsize=8)
+        self._canvas.draw()
+        self._figure.set_layout_engine("none")  # laid out once: nothing jumps from frame to frame
 
     @in_style
     def draw(self, world: World, team: int, marks: tuple[Mark, ...]) -> Picture:
