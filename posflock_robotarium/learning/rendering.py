@@ -35,7 +35,8 @@ class ArenaPicture:
 
         self._figure = new_figure(_WIDTH, _HEIGHT)
         self._figure.set_dpi(_DPI)
-        self._canvas: Any = FigureCanvasAgg(self._figure)  # matplotlib leaves it untyped
+        canvas: Any = FigureCanvasAgg(self._figure)  # matplotlib leaves it untyped
+        self._canvas = canvas
         self._axes = self._figure.add_subplot()
         left, right, bottom, top = boundaries
         corners_x = [left, right, right, left, left]
@@ -45,7 +46,7 @@ class ArenaPicture:
         for spine in self._axes.spines.values():
             spine.set_visible(False)
         self._axes.set_title("t = 0.0 s", fontsize=8)
-        self._canvas.draw()
+        canvas.draw()
         self._figure.set_layout_engine("none")  # laid out once: nothing jumps from frame to frame
 
     @in_style
