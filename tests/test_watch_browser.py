@@ -124,7 +124,7 @@ def test_the_nine_robots_are_held_stepped_and_retuned_from_the_page(browser, tmp
         assert legend.count() == 7
         page.locator("#links").uncheck()
         page.locator("#barriers").uncheck()
-        assert [text[:8] for text in legend.all_text_contents()] == ["trail, t", "too clos"]
+        assert [text[:8] for text in legend.all_text_contents()] == ["trail, t", "robot to"]
         page.keyboard.press(".")
         in_state(page, f"s.frame.step === {step + 1}")
         page.locator("#law-radius").fill("1.5")
