@@ -63,6 +63,7 @@ def process_state(
     main = sys.modules.get(_MAIN_OF_CHILDREN)
     if main is not None:  # it was set when somebody imported multiprocessing: not for the script
         sys.modules[_MAIN_OF_CHILDREN] = _MainNow(_MAIN_OF_CHILDREN)
+    others = _set_aside(script.parent)
     os.chdir(script.parent)
     sys.argv = list(words)
     sys.path[:0] = [str(script.parent), *folders]
@@ -83,6 +84,7 @@ def process_state(
         if main is not None:
             sys.modules[_MAIN_OF_CHILDREN] = main
         _forget_modules_of(script.parent, modules)
+        sys.modules.update(others)
 
 
 class _MainNow(ModuleType):
@@ -90,6 +92,25 @@ class _MainNow(ModuleType):
 
     def __getattr__(self, name: str) -> Any:
         return getattr(sys.modules["__main__"], name)
+
+
+def _set_aside(folder: Path) -> dict[str, ModuleType]:
+    """Take away modules of other folders that are called like files in `folder`; return them.
+
+    The environment's own stay: :class:`KeptApart` gives them to whoever means them.
+    """
+    beside = {path.stem for path in folder.iterdir() if path.suffix == ".py" or path.is_dir()}
+    found = {}
+    for name, module in list(sys.modules.items()):
+        source = getattr(module, "__file__", None)
+        if (
+            name.partition(".")[0] in beside
+            and source
+            and not Path(source).is_relative_to(folder)
+            and not is_environments_module(module)
+        ):
+            found[name] = sys.modules.pop(name)
+    return found
 
 
 def _forget_modules_of(folder: Path, known: set[str]) -> None:

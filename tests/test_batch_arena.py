@@ -10,7 +10,17 @@ from rps_compat.batch import BatchArena, Hold, ToGoals, rollout
 from rps_compat.errors import CommandError, InitialConditionsError
 from rps_compat.profiles import NAMES, load_profile
 
-ENGINES = ("numba", "numpy") if numba_is_installed() else ("numpy",)
+#: What compiles takes ten seconds, where nobody has before.
+ENGINES = (
+    pytest.param(
+        "numba",
+        marks=[
+            pytest.mark.slow,
+            pytest.mark.skipif(not numba_is_installed(), reason="needs numba"),
+        ],
+    ),
+    "numpy",
+)
 COUNTERS = (
     "saturated_steps", "actuator_steps", "outside_steps", "outside_by_robot", "close_pairs",
     "close_by_robot", "close_steps",

@@ -12,6 +12,7 @@ import sys
 import zipfile
 from _imp import is_frozen
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -300,6 +301,17 @@ def test_imports_are_left_as_they_were(tmp_path):
     assert "test" not in sys.modules
     assert "__getattr__" not in vars(queue)
     assert not hasattr(queue, "Job")
+
+
+def test_modules_of_another_folder_are_set_aside(tmp_path, home, monkeypatch):
+    """As those of a study, or of a notebook, that has imported its own file of that name before."""
+    another = ModuleType("helper")
+    another.__file__ = str(tmp_path / "elsewhere" / "helper.py")
+    monkeypatch.setitem(sys.modules, "helper", another)
+    write(home, helper="WHOSE = 'script'", script=UNDRAWN + "import helper\nprint(helper.WHOSE)\n")
+    for _ in range(2):
+        assert "script" in said("run", home)
+    assert sys.modules["helper"] is another
 
 
 def test_files_of_an_installation_within_the_scripts_folder_are_not_the_scripts(tmp_path):
