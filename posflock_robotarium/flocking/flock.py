@@ -41,6 +41,7 @@ from barrier_certificates.unicycle import UnicycleCertificate
 from posflock_robotarium.flocking import attendance
 from posflock_robotarium.flocking.drive_limits import limits_of, within_limits
 from posflock_robotarium.flocking.errors import ParameterError
+from posflock_robotarium.flocking.local_steering import LocalSteering
 from posflock_robotarium.flocking.law import (
     PAPER_EXPERIMENT,
     LawParameters,
@@ -165,6 +166,7 @@ class Flock:
         filtering: PoseFilterParameters | None = None,
         neighbour_hysteresis: float = 0.15,
         model: Model = Model.POSITION,
+        local: bool = False,
     ) -> None:
         if walls not in WALLS:
             raise ParameterError(f"walls: expected one of {', '.join(WALLS)}; got {walls!r}")
@@ -182,7 +184,9 @@ class Flock:
         self._limits = limits_of(self.certificate)
         self._all_rows = replace(self.certificate, pair_rows=True)
         self._neighbours = NeighbourMemory(law.radius, neighbour_hysteresis)
-        self._steering = ArenaSteering(self.steering, *_arena(certificate), time_step)
+        arena, margin = _arena(certificate)
+        self._steering = ArenaSteering(self.steering, arena, margin, time_step)
+        self._local = LocalSteering(self.steering, arena, margin, time_step) if local else None
         self.reset()
         attendance.show(self)
 
@@ -193,6 +197,8 @@ class Flock:
         self._velocity: Floats | None = None
         self._neighbours.reset()
         self._steering.reset()
+        if self._local is not None:
+            self._local.reset()
         self.filter.reset()
         self.certificate.reset()
 
@@ -296,7 +302,11 @@ class Flock:
         law = self.model.input(points, w, self._imprint, time, self.law, linked)
         u = saturate(law, self.law.input_limit)
         if self.walls == "steer":
-            u, w, turning = self._steering.steer(time, points, u, w)
+            if self._local is None:
+                u, w, turning = self._steering.steer(time, points, u, w)
+            else:
+                u, w, turned = self._local.steer(time, points, u, w, linked)
+                turning = float(turned.mean())
         w = saturate(w + self.time_step * u, self.law.speed_limit)
 
         certified = x
