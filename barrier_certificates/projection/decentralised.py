@@ -74,13 +74,14 @@ class DecentralisedProjector(Projector):
         if not (worst > TOLERANCE).any():  # nobody's command breaks a row
             violation = max(float(worst.max(initial=0.0)), 0.0)
             return desired.copy(), ProjectionInfo(Status.TRIVIAL, violation, rows=rows)
-        found = nearest_points(desired, plane)
+        fast = worst > _FAST
+        found = nearest_points(np.where(fast, 0.0, desired), plane)
         info = ProjectionInfo(Status.OPTIMAL, rows=rows, iterations=found.rounds)
         info.solver = "basis exchange"
-        decides = (found.basis >= 0) & found.settled
+        decides = (found.basis >= 0) & found.settled & ~fast
         info.binding = self._row[found.basis, np.arange(number)][decides]
         velocity = found.points
-        for robot in (~found.settled | (worst > _FAST)).nonzero()[0]:
+        for robot in (~found.settled | fast).nonzero()[0]:
             velocity[:, robot] = self._answer_one(int(robot), desired, plane, rows, top_speed, info)
         info.binding = np.unique(info.binding)
         info.intervention = largest_speed(velocity - desired)
