@@ -41,12 +41,17 @@ class PlaneRows(NamedTuple):
     bounds: FloatArray
 
     def excess(self, points: FloatArray) -> FloatArray:
-        """Return how far each row is broken, (K, N) array, m/s.
+        """Return how far each row is broken.
 
         Parameters
         ----------
         points : (2, N) array
             A point for each program, m/s.
+
+        Returns
+        -------
+        (K, N) array
+            Excess, m/s; negative where a row holds.
         """
         excess: FloatArray = self.normals[0] * points[0]
         excess += self.normals[1] * points[1]

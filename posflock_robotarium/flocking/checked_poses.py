@@ -20,6 +20,11 @@ def checked_poses(poses: ArrayLike, robots: int | None) -> Floats:
     robots : int or None
         How many there were at the first step; None at the first.
 
+    Returns
+    -------
+    (3, N) array
+        The same, copied only where they were no float array.
+
     Raises
     ------
     ParameterError
