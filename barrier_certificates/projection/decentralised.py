@@ -18,7 +18,7 @@ import numpy as np
 from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.certificate_errors import ShapeError
 from barrier_certificates.projection.infeasible import Policy, furthest_first
-from barrier_certificates.projection.plane_points import PlaneRows, nearest_points
+from barrier_certificates.projection.plane_points import BROKEN, PlaneRows, nearest_points
 from barrier_certificates.projection.projection_info import ProjectionInfo, Status
 from barrier_certificates.projection.projector import Projector, largest_speed
 from barrier_certificates.projection.scaled_program import TOLERANCE
@@ -59,7 +59,7 @@ class DecentralisedProjector(Projector):
     ) -> tuple[FloatArray, ProjectionInfo]:
         """Return the nearest velocities that satisfy each robot's rows, and what was done.
 
-        Violations are those of the shares, which are at least those of the team's rows.
+        Violations are those of the shares; a team's row is broken by √2 times as much at most.
         """
         number = rows.size // 2
         if desired.shape != (2, number):
@@ -71,7 +71,7 @@ class DecentralisedProjector(Projector):
         worst = excess.max(axis=0, initial=-np.inf)
         if not (np.isfinite(desired).all() and (worst < np.inf).all()):
             return self.refuse(desired)
-        if not (worst > TOLERANCE).any():  # nobody's command breaks a row
+        if not (worst > BROKEN).any():  # nobody's command breaks a row
             violation = max(float(worst.max(initial=0.0)), 0.0)
             return desired.copy(), ProjectionInfo(Status.TRIVIAL, violation, rows=rows)
         fast = worst > _FAST

@@ -20,6 +20,8 @@ import numpy as np
 from barrier_certificates.array_types import BoolArray, FloatArray, IntArray
 from barrier_certificates.projection.scaled_program import TOLERANCE
 
+BROKEN = 0.5 * TOLERANCE
+"""A row is broken by more than this: two shares that hold make a row that holds."""
 _ROUNDS = 50
 _PARALLEL = 1e-9
 """Two unit normals with a smaller sine between them do not cross."""
@@ -101,7 +103,7 @@ def nearest_points(targets: FloatArray, rows: PlaneRows) -> PlanePoints:
     excess = rows.excess(points)
     for rounds in range(_ROUNDS):
         worst = excess.argmax(axis=0)
-        broken = excess[worst, np.arange(number)] > TOLERANCE
+        broken = excess[worst, np.arange(number)] > BROKEN
         todo = (broken & ~lost).nonzero()[0]
         if not todo.shape[0]:
             return PlanePoints(points, ~lost, basis, rounds)
