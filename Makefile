@@ -100,10 +100,12 @@ bench: bench-nine bench-rps bench-barriers bench-verify bench-report bench-fuzz 
 
 bench-nine: $(VENV)/.dev  ## the nine-robot experiment against its acceptance table
 	$(BIN)/python benchmarks/nine_robots.py
+	$(BIN)/python benchmarks/local_flock.py
 
 bench-barriers: $(VENV)/.dev  ## certificates: speed against the common way; 200,000 steps under attack; late robots
 	$(BIN)/python benchmarks/barrier_speed.py
 	$(BIN)/python benchmarks/barrier_safety.py
+	$(BIN)/python benchmarks/decentralised.py
 	$(BIN)/python benchmarks/late_robots.py
 
 bench-rps: $(VENV)/.dev  ## steps a second of both API generations, construction, plotting

@@ -16,6 +16,7 @@ from barrier_certificates.array_types import FloatArray
 from barrier_certificates.certificate_errors import ParameterError
 from barrier_certificates.deadlock import DeadlockMonitor, DeadlockParameters, tilt
 from barrier_certificates.projection import Policy, ProjectionInfo, Projector, Status
+from barrier_certificates.projection.decentralised import DecentralisedProjector
 from barrier_certificates.projection.projector import largest_speed
 from barrier_certificates.rows import (
     LimitRows,
@@ -105,6 +106,12 @@ class Certificate(ABC):
         What the motors can do, as rows of your own, instead of the limits that have names.
     solver, on_infeasible, options
         See `barrier_certificates.projection.Projector`.
+    decentralised : bool
+        Whether each robot has a program of its own, with its share of each pair's row, instead of
+        one for the team; see `barrier_certificates.projection.decentralised`.
+    shares : sequence of float, optional
+        A positive number for each robot: of a pair's bound it takes its part of the sum. Half if
+        None.
     deadlock : DeadlockParameters, optional
         When a robot counts as stuck; without it nobody watches.
     tilt : float
@@ -136,6 +143,8 @@ class Certificate(ABC):
     solver: str = "auto"
     on_infeasible: Policy = "relax"
     options: Mapping[str, float] | None = field(default=None, hash=False)
+    decentralised: bool = False
+    shares: Sequence[float] | None = None
     deadlock: DeadlockParameters | None = None
     tilt: float = 0.0
     checked: bool = True
@@ -144,6 +153,8 @@ class Certificate(ABC):
         object.__setattr__(self, "obstacles", listed(self.obstacles))
         if self.boundary is not None:
             object.__setattr__(self, "boundary", _boundary(self.boundary))
+        if self.shares is not None:
+            object.__setattr__(self, "shares", _shares(self.shares))
         if self.checked:
             self.check()
         self.reset()
@@ -162,6 +173,11 @@ class Certificate(ABC):
             if getattr(self, name) is not None:
                 checks.not_negative(name, getattr(self, name))
         checks.angle("tilt", self.tilt)
+        if self.shares is not None and not self.decentralised:
+            raise ParameterError(
+                f"shares are {self.shares}, but the certificate is not decentralised; expected"
+                " decentralised=True with them"
+            )
         if not (self.deadlock is None or isinstance(self.deadlock, DeadlockParameters)):
             raise ParameterError(
                 f"deadlock is {self.deadlock!r}; expected DeadlockParameters or None"
@@ -174,6 +190,20 @@ class Certificate(ABC):
     def reset(self) -> None:
         """Forget the steps so far: which rows bound, and for how long robots have been held."""
         self._memory.reset()
+
+    def reach(self) -> float:
+        """Return the distance beyond which no two robots can break their row, m.
+
+        Infinite where nothing limits speeds. A robot that computes its own answer
+        (``decentralised``) need not see farther.
+        """
+        memory = self._memory
+        pairs, least = memory.book.pairs, 0.5
+        if pairs is None:
+            return 0.0
+        if self.shares is not None:
+            least = min(self.shares) / (min(self.shares) + max(self.shares))
+        return pairs.reach(memory.book.top_speed * 0.5 / least)
 
     def row_families(self) -> RowFamilies:
         """Return what writes the rows; a call with other obstacles moves those in here."""
@@ -209,6 +239,10 @@ class Certificate(ABC):
 
     def _projector(self) -> Projector:
         """Return who finds the nearest velocities."""
+        if self.decentralised:
+            return DecentralisedProjector(
+                self.solver, self.on_infeasible, self.options, self.shares
+            )
         return Projector(self.solver, self.on_infeasible, self.options)
 
     def _half_radius(self, margin: float | None) -> float:
@@ -335,6 +369,17 @@ def _boundary(boundary: Any) -> tuple[Any, ...]:
     if points.size == 4:
         return tuple(float(b) for b in points.reshape(-1))
     raise _no_boundary(boundary)
+
+
+def _shares(shares: Any) -> tuple[float, ...]:
+    """Return shares as a tuple of floats, so that certificates can be written down."""
+    try:
+        numbers = np.asarray(shares, dtype=float)
+    except (TypeError, ValueError):
+        numbers = np.zeros(0)
+    if numbers.ndim != 1 or not numbers.size or not (np.isfinite(numbers) & (numbers > 0)).all():
+        raise ParameterError(f"shares are {shares!r}; expected a positive number for each robot")
+    return tuple(float(number) for number in numbers)
 
 
 def _no_boundary(boundary: Any) -> ParameterError:

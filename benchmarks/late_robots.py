@@ -140,7 +140,7 @@ def certificate_of(kind: str, cell: Cell) -> UnicycleCertificate:
     if kind != "late":
         return plain
     robots = cell.robots()
-    gain = 200.0 if robots.longest_step else 2e4
+    gain = 190.0 if robots.longest_step else 2e4
     return LateCertificate.of(
         plain, robots, barrier_gain=gain, wall_gain=gain / 10, obstacle_speed=OBSTACLE_SPEED
     )

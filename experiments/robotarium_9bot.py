@@ -67,7 +67,7 @@ def main() -> None:
     chance = np.random.default_rng(options.seed)
     start = random_poses(ROBOTS, chance, side=START_SIDE, spacing=START_SPACING)
     certificate = replace(EXPERIMENT_CERTIFICATE, pair_rows=options.certificate == "on")
-    flock = flock_in({}, options.walls, certificate)
+    flock = flock_in({}, options, certificate)
     steps = flock.steps_in(options.duration)
     description = flock.parameters() | {
         "experiment": "robotarium_9bot",
@@ -86,7 +86,7 @@ def main() -> None:
             initial_conditions=start,
         )
         constants = constants_of(r)
-        flock = flock_in(constants, options.walls, certificate)
+        flock = flock_in(constants, options, certificate)
         log.annotate(robot=constants, **flock.parameters())
         try:
             run(r, flock, log, steps)
@@ -100,11 +100,14 @@ def main() -> None:
         report_experiment(log.path)
 
 
-def flock_in(constants: dict[str, Any], walls: str, certificate: UnicycleCertificate) -> Flock:
+def flock_in(
+    constants: dict[str, Any], options: argparse.Namespace, certificate: UnicycleCertificate
+) -> Flock:
     """Return the flock for the arena and the time step that the Robotarium tells of."""
     arena = tuple(constants.get("boundaries", certificate.boundary))
     time_step = constants.get("time_step", TIME_STEP)
-    return Flock(LAW, time_step, walls=walls, certificate=replace(certificate, boundary=arena))
+    certificate = replace(certificate, boundary=arena)
+    return Flock(LAW, time_step, walls=options.walls, certificate=certificate, local=options.local)
 
 
 def run(r: Any, flock: Flock, log: PoseLog, steps: int) -> None:
@@ -128,6 +131,12 @@ def parse_options() -> argparse.Namespace:
         choices=("on", "off"),
         default="on",
         help="off: a control run in which nobody is kept apart (simulator only)",
+    )
+    parser.add_argument(
+        "--local",
+        action="store_true",
+        help="each robot decides by what it senses within 0.75 m and hears from neighbours once a"
+        " step; without, by the mean over the flock and one certificate for the team",
     )
     parser.add_argument("--out", type=Path, default=Path(), help="folder for what the run leaves")
     parser.add_argument("--show", action="store_true", help="watch it in real time")

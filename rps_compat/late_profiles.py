@@ -2,7 +2,9 @@
 
 A profile draws numbers; a certificate needs their bounds. A uniform distribution has them, a normal
 one with a cut too; noise without bounds is taken at `SIGMAS` standard deviations, beyond which it
-is once in 16,000 draws. Factors that depend on speed widen the ranges by what they are up to the
+is once in 16,000 draws. A command within the dead band is predicted to move a robot and does not:
+that is noise as large as the band, and where the robot comes to rest is off by it for as long as
+commands are in flight. Factors that depend on speed widen the ranges by what they are up to the
 limits. What has no bound at all (a command may be lost, a robot out of sight) is told in words, and
 a certificate then promises nothing.
 """
@@ -69,15 +71,21 @@ def late_robots(
         fastest = (0.0, speed_limit * speed_gain[1])
         along = jitter.along * _over(jitter.by_speed, fastest)[1]
         position, heading = SIGMAS * math.hypot(along, jitter.lateral), SIGMAS * jitter.heading
-    if band is not None:  # what is too small to move anything is a little less than predicted
-        position += (band.speed + 0.1 * band.turn) * 1.0
+    dead_time = _times(_range(dead.seconds), _over(dead.by_speed, speeds)) if dead else (0.0, 0.0)
+    lags = _times(_range(lag.seconds), _over(lag.by_speed, speeds)) if lag else (0.0, 0.0)
+    speed_noise = SIGMAS * noise.speed if noise else 0.0
+    turn_noise = SIGMAS * noise.turn if noise else 0.0
+    if band is not None:  # what is too small to move anything is predicted, and does not come
+        flight = dead_time[1] + lags[1]
+        position, heading = position + band.speed * flight, heading + band.turn * flight
+        speed_noise, turn_noise = speed_noise + band.speed, turn_noise + band.turn
     return LateRobots(
-        dead_time=_times(_range(dead.seconds), _over(dead.by_speed, speeds)) if dead else (0, 0),
-        lag=_times(_range(lag.seconds), _over(lag.by_speed, speeds)) if lag else (0, 0),
+        dead_time=dead_time,
+        lag=lags,
         speed_gain=speed_gain,
         turn_gain=turn_gain,
-        speed_noise=SIGMAS * noise.speed if noise else 0.0,
-        turn_noise=SIGMAS * noise.turn if noise else 0.0,
+        speed_noise=speed_noise,
+        turn_noise=turn_noise,
         turn_bias=max(abs(bias[0]), abs(bias[1])),
         position_error=position,
         heading_error=max(abs(offset[0]), abs(offset[1])) + heading,

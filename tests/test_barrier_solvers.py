@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from numpy.testing import assert_allclose
 from scipy.optimize import nnls
 
 from barrier_certificates import solvers
 from barrier_certificates.certificate_errors import ParameterError, SolverNotInstalledError
+from barrier_certificates.projection import Projector
+from barrier_certificates.rows.row_set import Rows
 from barrier_certificates.single_integrator import SingleIntegratorCertificate
 from barrier_certificates.unicycle import UnicycleCertificate
 
@@ -180,3 +183,28 @@ def test_leaving_out_far_pairs_changes_nothing(number):
     assert info.smallest_h == pytest.approx(all_info.smallest_h)
     again, _ = near(command, positions)  # started from the rows that bound
     np.testing.assert_allclose(again, expected, atol=1e-8)
+
+
+@pytest.mark.parametrize("name", FAST)
+def test_a_point_that_satisfies_all_rows_may_still_not_be_the_nearest(name):
+    """One robot in a crowd: where scipy's routine stopped rows held, 0.06 m/s off."""
+    normals = [
+        [-0.9072779373158832, -0.42053150233940434],
+        [0.04611657914335065, -0.9989360645847736],
+        [-0.4066452890219838, 0.9135861256150003],
+        [-0.7829084044846598, 0.6221369866735816],
+        [0.24050867047224875, -0.9706469901193077],
+        [0.3649732005612728, -0.9310180249984751],
+        [-0.30680269943317356, 0.9517731366352582],
+    ]
+    bounds = [
+        4.566670688234674, 0.19403960821813657, -0.00010865538961160155, 0.004999248290961792,
+        0.15809798176574044, 9.789150784288748e-05, 0.08462804140933282,
+    ]  # fmt: skip
+    rows = Rows(
+        np.repeat([[0], [1]], 7, axis=1), np.array(normals).T, np.array(bounds), 2,
+        np.full(7, 1e6), str,
+    )  # fmt: skip
+    point, info = Projector(name).project(np.array([[-0.01012081], [-0.12268357]]), rows)
+    assert info.status == "optimal"
+    assert_allclose(point[:, 0], [2.5969654e-04, -3.33960e-06], atol=1e-6)

@@ -17,7 +17,7 @@ from barrier_certificates.projection import Projector
 from barrier_certificates.rows import ObstacleRows, Rows, Scene
 from barrier_certificates.unicycle import UnicycleCertificate
 from rps_compat.arena import Arena
-from rps_compat.command_effects import DeadTime
+from rps_compat.command_effects import DeadBand, DeadTime
 from rps_compat.distributions import DistributionKind, RobotDistribution, constant
 from rps_compat.late_profiles import late_certificate, late_robots
 from rps_compat.motor_effects import Gains, Lag
@@ -90,6 +90,21 @@ def test_robots_come_to_rest_within_the_error_that_their_ranges_leave(seed, dead
     predicted, true, turned = come_to_rest(profile, certificate, seed)
     assert np.hypot(*(predicted - true)).max() <= certificate.late_margins.stop_error + 1e-5
     assert turned.max() <= certificate.late_margins.rest_heading + 1e-4
+
+
+def test_commands_that_are_too_small_to_move_a_robot_are_allowed_for():
+    """All that is in flight lies within the dead band, so that the robot rests where it is."""
+    band = DeadBand(speed=0.005, turn=0.08)
+    profile = Profile(dead_time=DeadTime(constant(0.3)), lag=Lag(constant(0.1)), dead_band=band)
+    certificate, here = late_certificate(IDEAL, profile), np.array([[0.3], [-0.2], [0.7]])
+    certificate.stops(here)
+    for _ in range(30):
+        certificate.sent(np.array([[0.99 * band.speed], [0.99 * band.turn]]))
+        predicted = certificate.stops(here)
+    margins = certificate.late_margins
+    assert 0.02 < abs(predicted[2, 0] - here[2, 0]) <= margins.rest_heading
+    assert 1e-3 < np.hypot(*(ahead(predicted) - ahead(here)))[0] <= margins.stop_error
+    assert margins.drift >= band.speed + D * band.turn  # and while it drives
 
 
 def test_who_is_told_to_stop_leaves_its_stop_point_where_it_is():

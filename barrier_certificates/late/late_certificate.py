@@ -150,6 +150,11 @@ class LateCertificate(UnicycleCertificate):
         """Refuse parameters that make no sense."""
         super().check()
         checks.not_negative("obstacle_speed", self.obstacle_speed, "of m/s")
+        if self.decentralised:
+            raise ParameterError(
+                "decentralised is True; a certificate for late robots is computed for the team,"
+                " which stops whoever is too close together"
+            )
         checks.positive("time_step", self.time_step, "of seconds")
         margins = self.late_margins
         step, speed = margins.hold, margins.top_speed

@@ -21,10 +21,12 @@ from barrier_certificates.solvers.qp_solver import QpSolver
 
 _NO_RESIDUAL = 1e-9
 _BROKEN = 1e-10  # m/s
+_APART = 1e-7  # of the largest excess; how far a point may be from the nearest one
 _ROUNDING = 1e-12  # of unknowns that are large numbers, as slacks are
 # Where rows depend on each other, scipy's routine can stop short of the optimum, silently and by a
 # lot. The last row of E can be scaled at will (z then comes out scaled), and another scale takes
-# another path; whether the rows hold tells. In units of the largest excess.
+# another path; whether the rows hold, and those that decide bind, tells. In units of the largest
+# excess.
 _SCALES = (1.0, 10.0, 0.3, 100.0)
 
 
@@ -65,17 +67,25 @@ class Nnls(QpSolver):
             if math.sqrt(residual @ residual) < _NO_RESIDUAL or residual[-1] == 0.0:
                 return None
             point = target - residual[:-1] * (scale / residual[-1])
-            broken = float((matrix @ point - bound).max())
-            if broken <= _BROKEN or broken <= max(1e-14 * worst, _ROUNDING * np.abs(point).max()):
+            room = bound - matrix @ point
+            broken = -float(room.min())
+            held = max(_BROKEN, 1e-14 * worst, _ROUNDING * np.abs(point).max())
+            if broken <= held and _is_nearest(weights * (scale / residual[-1]), room, worst):
                 return point
         np.divide(excess, worst, out=system[-1])
         residual = system @ _bounded(system, aim) - aim
         if math.sqrt(residual @ residual) < _NO_RESIDUAL or residual[-1] == 0.0:
             return None
         last: FloatArray = target - residual[:-1] * (worst / residual[-1])
-        if point is None or (matrix @ last - bound).max() < (matrix @ point - bound).max():
+        if point is None or (matrix @ last - bound).max() <= max(broken, held):
             return last
         return point
+
+
+def _is_nearest(multipliers: FloatArray, room: FloatArray, worst: float) -> bool:
+    """Tell whether rows that decide bind: the gap of duality bounds the way to the optimum."""
+    gap = float(np.abs(multipliers) @ np.maximum(room, 0.0))
+    return math.sqrt(2.0 * gap) <= _APART * max(worst, 1.0)
 
 
 def _bounded(system: FloatArray, aim: FloatArray) -> FloatArray:

@@ -41,7 +41,7 @@ from posflock_robotarium.alignment.target_outcomes import (
 )
 from posflock_robotarium.alignment.verdicts import RunVerdict, verdicts_of
 from posflock_robotarium.flocking.errors import LogError
-from posflock_robotarium.flocking.flock import WALLS
+from posflock_robotarium.flocking.flock import told_walls
 from posflock_robotarium.logs.plausibility import Sightings, of_robots, sightings_of
 from posflock_robotarium.logs.printed_log import PrintedLog
 from posflock_robotarium.logs.readers import ReadOptions, Run, read
@@ -116,7 +116,7 @@ class Analysis:
     @property
     def walls(self) -> str:
         """What kept the flock off the walls, in words; empty where the log does not say."""
-        return WALLS.get(str(self.recording.parameters.get("walls", "")), "")
+        return told_walls(self.recording.parameters)
 
     @property
     def transient(self) -> float:

@@ -53,6 +53,9 @@ class Summary:
         much at most, m/s.
     ended : str, optional
         How the run ended.
+    local : bool, optional
+        Whether each robot decided by what it senses and hears alone; None where the log does not
+        say.
     """
 
     duration: float
@@ -70,6 +73,7 @@ class Summary:
     share_intervened: float
     largest_intervention: float
     ended: str | None
+    local: bool | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """Return the numbers under their names, ready for JSON; what is undefined is None."""
@@ -83,7 +87,8 @@ class Summary:
         unsolved = "unknown" if self.steps_infeasible is None else self.steps_infeasible
         return "\n".join(
             [
-                f"run of {self.duration:.1f} s, {self.ended or 'unknown how it ended'}",
+                f"run of {self.duration:.1f} s, {self.ended or 'unknown how it ended'}"
+                + ("; each robot by what it senses and hears" if self.local else ""),
                 f"  alignment γ, {since}    headings {_told(self.gamma_headings, '.3f')}"
                 f"   motion {_told(self.gamma_motion, '.3f')}",
                 f"  mean speed, {since}     {_told(self.mean_speed, '.3f', ' m/s')}",
@@ -148,7 +153,7 @@ def _summary(run: Analysis | MeasuredRun, value: Callable[[str], float | None]) 
         found = of(key)
         return None if math.isnan(found) else int(found)
 
-    ending = run.recording.ending
+    ending, local = run.recording.ending, run.recording.parameters.get("local")
     return Summary(
         duration=of("duration") + of("step"),
         settled=0.0 if run.settled.all() else run.transient,
@@ -165,6 +170,7 @@ def _summary(run: Analysis | MeasuredRun, value: Callable[[str], float | None]) 
         share_intervened=of("interventions"),
         largest_intervention=of("intervention_largest"),
         ended=None if ending is None else ending.how.value,
+        local=local if isinstance(local, bool) else None,
     )
 
 

@@ -76,7 +76,8 @@ class BatchFlock:
     Raises
     ------
     ParameterError
-        Where there are no teams, or the engine cannot do what the certificate asks for.
+        Where there are no teams, the flock is local, or the engine cannot do what the certificate
+        asks for.
     EngineNotInstalledError
         If numba is asked for but not installed.
 
@@ -99,6 +100,11 @@ class BatchFlock:
     ) -> None:
         if teams < 1:
             raise ParameterError(f"teams: expected one at least, got {teams!r}")
+        if flock.local:
+            raise ParameterError(
+                "flock: it is local, each robot with estimates of its own; expected one that is"
+                " steered by its mean, or fly local flocks one at a time, by simulate"
+            )
         self.law, self.model, self.walls = flock.law, flock.model, flock.walls
         self.time_step, self.teams = flock.time_step, teams
         self._one = replace(flock.certificate)

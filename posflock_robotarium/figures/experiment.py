@@ -27,7 +27,7 @@ from posflock_robotarium.figures.style import (
     save,
 )
 from posflock_robotarium.flocking.errors import LogError
-from posflock_robotarium.flocking.flock import WALLS
+from posflock_robotarium.flocking.flock import told_walls
 from posflock_robotarium.logs.run import Run
 from rps_compat.testbed import ROBOT_LENGTH, ROBOT_WIDTH
 
@@ -207,8 +207,8 @@ def _speeds(axes: Axes, run: MeasuredRun) -> None:
 
 def _say_walls(figure: Figure, log: Run) -> None:
     """Say above a figure what kept the flock off the walls and apart, where the log tells."""
-    words = WALLS.get(str(log.parameters.get("walls", "")))
-    if words is not None:
+    words = told_walls(log.parameters)
+    if words:
         if log.parameters.get("wheels", {}).get("pair_rows") is False:
             words += "; control run: nobody is kept apart"
         figure.suptitle(f"walls: {words}", fontsize=6, color="#555555", x=0.995, ha="right")

@@ -5,6 +5,9 @@ law                 the paper's laws: pure functions of positions and velocities
 paper_models        the three models that the paper compares, by name
 neighbour_memory    who is a neighbour, with a margin: nobody flickers at the radius
 steering            what turns the flock as a whole away from the walls
+local_steering      the same by robots that know their neighbours alone, and what they tell them
+local_certificate   a certificate that each robot computes by itself
+checked_poses       poses as they were read, refused where they mean nothing
 pose_filter         poses as they are now, out of poses as they were logged
 drive_limits        what the motors can do, and velocities shortened to it
 flock               the law on wheels: turned into commands, certified, once a step
@@ -31,6 +34,7 @@ __all__ = [
     "flock",
     "goal_view",
     "law",
+    "local_steering",
     "neighbour_memory",
     "paper_models",
     "placement",

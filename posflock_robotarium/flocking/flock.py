@@ -29,6 +29,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -39,6 +40,7 @@ from barrier_certificates import ties
 from barrier_certificates.projection import Status
 from barrier_certificates.unicycle import UnicycleCertificate
 from posflock_robotarium.flocking import attendance
+from posflock_robotarium.flocking.checked_poses import checked_poses
 from posflock_robotarium.flocking.drive_limits import limits_of, within_limits
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.law import (
@@ -47,6 +49,8 @@ from posflock_robotarium.flocking.law import (
     displacements,
     saturate,
 )
+from posflock_robotarium.flocking.local_certificate import local_certificate
+from posflock_robotarium.flocking.local_steering import LocalSteering, as_local
 from posflock_robotarium.flocking.neighbour_memory import NeighbourMemory
 from posflock_robotarium.flocking.paper_models import Model
 from posflock_robotarium.flocking.pose_filter import PoseFilter, PoseFilterParameters
@@ -59,6 +63,20 @@ WALLS = {
     "steer": "arena steering, an addition to the paper's law",
     "certificate": "the law and the certificate, no steering",
 }
+
+
+def told_walls(parameters: Mapping[str, Any]) -> str:
+    """Return in words what kept a flock off the walls; empty where its log does not say.
+
+    Parameters
+    ----------
+    parameters : mapping
+        What the log says of the run, as `Flock.parameters`.
+    """
+    words = WALLS.get(str(parameters.get("walls", "")), "")
+    by_itself = "; each robot by what it senses and hears"
+    return words + by_itself if words and parameters.get("local") is True else words
+
 
 #: The robots of the paper's experiment in their arena, and what keeps them apart; limits as in its
 #: Section "Experiment".  0.20 m between look-ahead points, 5 cm ahead of the axle, leaves 0.15 m
@@ -134,12 +152,15 @@ class Flock:
         See `neighbour_memory.NeighbourMemory`, metres; 0 is the paper's rule.
     model : Model
         Which of the paper's models; the velocity-based one is told the velocities that were sent.
+    local : bool
+        Whether each robot decides by what it senses within the law's radius and by one message from
+        each neighbour: `local_steering`, and a certificate of its own (`local_certificate`).
 
     Raises
     ------
     ParameterError
-        Where a parameter is not admissible, or a gain of the certificate is too large for the time
-        step to keep robots apart.
+        Where a parameter is not admissible, a gain of the certificate is too large for the time
+        step to keep robots apart, or robots would have to see farther for it than they do.
 
     Warns
     -----
@@ -165,6 +186,7 @@ class Flock:
         filtering: PoseFilterParameters | None = None,
         neighbour_hysteresis: float = 0.15,
         model: Model = Model.POSITION,
+        local: bool = False,
     ) -> None:
         if walls not in WALLS:
             raise ParameterError(f"walls: expected one of {', '.join(WALLS)}; got {walls!r}")
@@ -174,15 +196,23 @@ class Flock:
         self.retuned: list[dict[str, Any]] = []
         self.time_step = time_step
         self.walls = walls
-        self.steering = steering or SteeringParameters()
+        self.local = local
         self.filter = PoseFilter(filtering or PoseFilterParameters(), time_step)
         if certificate.speed_limit is None and certificate.wheel_limit is None:
             raise ParameterError("certificate: expected a speed_limit or a wheel_limit; got none")
         self.certificate = replace(certificate, time_step=time_step)  # with a memory of its own
+        if local:
+            self.certificate = local_certificate(self.certificate, law.radius)
         self._limits = limits_of(self.certificate)
         self._all_rows = replace(self.certificate, pair_rows=True)
         self._neighbours = NeighbourMemory(law.radius, neighbour_hysteresis)
-        self._steering = ArenaSteering(self.steering, *_arena(certificate), time_step)
+        self.steering = steering or SteeringParameters()
+        self._steering: ArenaSteering | LocalSteering
+        if local:
+            self.steering = hearing = as_local(self.steering)
+            self._steering = LocalSteering(hearing, *_arena(certificate), time_step)
+        else:
+            self._steering = ArenaSteering(self.steering, *_arena(certificate), time_step)
         self.reset()
         attendance.show(self)
 
@@ -216,8 +246,11 @@ class Flock:
         Raises
         ------
         ParameterError
-            Where the radius is not more than the hysteresis; the flock goes on as before.
+            Where the radius is not more than the hysteresis, or too small for a local certificate;
+            the flock goes on as before.
         """
+        if self.local:
+            local_certificate(self.certificate, law.radius)
         self._neighbours = self._neighbours.within(law.radius)
         self.law, self.model = law, model
         time = self._steps * self.time_step
@@ -240,6 +273,7 @@ class Flock:
             "model": self.model.value,
             "time_step": self.time_step,
             "walls": self.walls,
+            "local": self.local,
             "wheels": asdict(self.certificate),
             "steering": asdict(self.steering) if self.walls == "steer" else None,
             "filtering": asdict(self.filter.parameters),
@@ -281,7 +315,7 @@ class Flock:
             Where the poses have another shape or a value that is not finite.
         """
         attendance.show(self)
-        seen = self._checked(poses)
+        seen = checked_poses(poses, None if self._velocity is None else self._velocity.shape[1])
         x = self.filter.update(seen)
         ahead = np.array([np.cos(x[2]), np.sin(x[2])])
         points = x[:2] + self.certificate.projection_distance * ahead
@@ -296,7 +330,11 @@ class Flock:
         law = self.model.input(points, w, self._imprint, time, self.law, linked)
         u = saturate(law, self.law.input_limit)
         if self.walls == "steer":
-            u, w, turning = self._steering.steer(time, points, u, w)
+            if isinstance(self._steering, LocalSteering):
+                u, w, turned = self._steering.steer(time, points, u, w, linked)
+                turning = float(turned.mean())
+            else:
+                u, w, turning = self._steering.steer(time, points, u, w)
         w = saturate(w + self.time_step * u, self.law.speed_limit)
 
         certified = x
@@ -329,29 +367,6 @@ class Flock:
         left, right, _, _ = self._steering.arena
         # Nobody is farther than half the arena's width from every wall: something is within it.
         return self._all_rows.margins(poses, within=right - left)[0].clearance
-
-    def _checked(self, poses: ArrayLike) -> Floats:
-        try:
-            x = np.asarray(poses, dtype=float)
-        except (TypeError, ValueError) as error:
-            raise ParameterError(f"poses: expected a (3, N) array, got {poses!r}") from error
-        if x.ndim != 2 or x.shape[0] != 3 or x.shape[1] < 2:
-            raise ParameterError(
-                "poses: expected shape (3, N), x, y and θ of at least two robots (one robot"
-                f" is no flock); got {x.shape}"
-            )
-        if self._velocity is not None and x.shape[1] != self._velocity.shape[1]:
-            raise ParameterError(
-                f"poses: expected {self._velocity.shape[1]} robots as at the first step,"
-                f" got {x.shape[1]}; call reset() to begin another run"
-            )
-        if not np.isfinite(x).all():
-            row, robot = np.argwhere(~np.isfinite(x))[0]
-            raise ParameterError(
-                f"poses: expected finite numbers, got {'xyθ'[row]} = {x[row, robot]}"
-                f" of robot {robot}"
-            )
-        return x
 
 
 def _arena(certificate: UnicycleCertificate) -> tuple[tuple[float, float, float, float], float]:
