@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +10,7 @@ import numpy as np
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.trained_policy import TrainedPolicy
 from posflock_robotarium.learning.training import Training
-from rps_compat.whole_files import write_whole, written_together
+from rps_compat.whole_files import written_together
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -51,17 +50,15 @@ def save_training(
         **{field: getattr(search, field) for field in search.__dataclass_fields__},
         "episodes": training.episodes,
     }
-    weights, archive, picture = io.BytesIO(), io.BytesIO(), io.BytesIO()
-    np.save(weights, training.policy.stored(), allow_pickle=False)
-    np.savez(archive, **(training.policy.named() | about))
-    contents = {f"{name}_weights.npy": weights, f"{name}_training.npz": archive}
+    names = [f"{name}_weights.npy", f"{name}_training.npz"]
     if curve is not None:
-        curve.savefig(picture, format="png", dpi=200, metadata={"Software": None})
-        contents[f"{name}_curve.png"] = picture
+        names.append(f"{name}_curve.png")
     with written_together(folder) as draft:
-        for file, content in contents.items():
-            write_whole(draft / file, content.getvalue())
-    return [folder / file for file in contents]
+        np.save(draft / names[0], training.policy.stored(), allow_pickle=False)
+        np.savez(draft / names[1], **(training.policy.named() | about))
+        if curve is not None:
+            curve.savefig(draft / names[2], dpi=200, metadata={"Software": None})
+    return [folder / written for written in names]
 
 
 def read_policy(path: Path | str) -> TrainedPolicy:

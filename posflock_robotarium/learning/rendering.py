@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from posflock_robotarium.figures.palette import BLACK, BLUE, GREEN, GREY, ORANGE
 from posflock_robotarium.figures.style import in_style, new_figure
-from posflock_robotarium.learning.scenario import Mark, World
+from posflock_robotarium.learning.scenario import Marker, World
 from rps_compat.testbed import ROBOT_LENGTH, ROBOT_WIDTH
 
 __all__ = ["ArenaPicture"]
@@ -50,7 +50,7 @@ class ArenaPicture:
         self._figure.set_layout_engine("none")  # laid out once: nothing jumps from frame to frame
 
     @in_style
-    def draw(self, world: World, team: int, marks: tuple[Mark, ...]) -> Picture:
+    def draw(self, world: World, team: int, marks: tuple[Marker, ...]) -> Picture:
         """Return the picture of a team now.
 
         Parameters
@@ -59,7 +59,7 @@ class ArenaPicture:
             All teams.
         team : int
             Which of them.
-        marks : tuple of Mark
+        marks : tuple of Marker
             What the scenario has in the arena beside robots.
 
         Returns

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Initial", "Mark", "Scenario", "World"]
+__all__ = ["Initial", "Marker", "Scenario", "World"]
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -57,7 +57,7 @@ class World:
 
 
 @dataclass(frozen=True)
-class Mark:
+class Marker:
     """What there is in the arena beside robots, for pictures.
 
     Attributes
@@ -185,7 +185,7 @@ class Scenario(ABC):
             By name.
         """
 
-    def marks(self, world: World, team: int) -> tuple[Mark, ...]:
+    def marks(self, world: World, team: int) -> tuple[Marker, ...]:
         """Return what a picture shows beside robots.
 
         Parameters

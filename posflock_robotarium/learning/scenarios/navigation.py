@@ -20,7 +20,7 @@ from posflock_robotarium.flocking.goal_view import (
     look_ahead_points,
     swapped_places,
 )
-from posflock_robotarium.learning.scenario import Flags, Floats, Initial, Mark, Scenario, World
+from posflock_robotarium.learning.scenario import Flags, Floats, Initial, Marker, Scenario, World
 
 __all__ = ["Navigation"]
 
@@ -140,6 +140,8 @@ class Navigation(Scenario):
             "distance": self.distances(world.true_poses, world.memory["goals"]).mean(axis=1),
         }
 
-    def marks(self, world: World, team: int) -> tuple[Mark, ...]:
+    def marks(self, world: World, team: int) -> tuple[Marker, ...]:
         goals = world.memory["goals"][team]
-        return tuple(Mark(x, y, "goal", label=str(k)) for k, (x, y) in enumerate(goals.T.tolist()))
+        return tuple(
+            Marker(x, y, "goal", label=str(k)) for k, (x, y) in enumerate(goals.T.tolist())
+        )

@@ -18,7 +18,7 @@ from barrier_certificates import ties
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.goal_view import crowd, in_own_frame, look_ahead_points
 from posflock_robotarium.flocking.placement import random_poses
-from posflock_robotarium.learning.scenario import Flags, Floats, Initial, Mark, Scenario, World
+from posflock_robotarium.learning.scenario import Flags, Floats, Initial, Marker, Scenario, World
 from rps_compat.testbed import GRITSBOT_X
 
 __all__ = ["PredatorPrey"]
@@ -146,14 +146,14 @@ class PredatorPrey(Scenario):
         found, captured = world.memory["found"], world.memory["captured"]
         return {"found": found.mean(axis=1), "captured": captured.mean(axis=1)}
 
-    def marks(self, world: World, team: int) -> tuple[Mark, ...]:
+    def marks(self, world: World, team: int) -> tuple[Marker, ...]:
         memory, points = world.memory, look_ahead_points(world.true_poses)[team]
         shown = []
         for robot, (x, y) in enumerate(points.T.tolist()):
             senses = robot < self.sensing
             radius = self.sensing_radius if senses else self.capture_radius
-            shown.append(Mark(x, y, "sensing" if senses else "capture", radius))
+            shown.append(Marker(x, y, "sensing" if senses else "capture", radius))
         for k, (x, y) in enumerate(memory["prey"][team].T.tolist()):
             if not memory["captured"][team, k]:
-                shown.append(Mark(x, y, "found" if memory["found"][team, k] else "hidden"))
+                shown.append(Marker(x, y, "found" if memory["found"][team, k] else "hidden"))
         return tuple(shown)
