@@ -49,7 +49,7 @@ def test_overlapping_teams_without_speed_limit_part(solver):
     if solver != "auto" and not solvers.installed(solver):
         pytest.skip(f"{solver} is not installed")
     speeds = []
-    for seed in range(150 if solver == "auto" else 40):
+    for seed in range(150 if solver == "auto" else 25):
         command, positions, firm = overlapping(seed)
         certificate = SingleIntegratorCertificate(**firm, speed_limit=None, solver=solver)
         velocity, info = certificate(command, positions)

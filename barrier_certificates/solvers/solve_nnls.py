@@ -70,7 +70,7 @@ class Nnls(QpSolver):
             room = bound - matrix @ point
             broken = -float(room.min())
             held = max(_BROKEN, 1e-14 * worst, _ROUNDING * np.abs(point).max())
-            if broken <= held and _is_nearest(weights * (scale / residual[-1]), room, worst):
+            if broken <= held and _is_nearest(weights * (scale / residual[-1]), room - held, worst):
                 return point
         np.divide(excess, worst, out=system[-1])
         residual = system @ _bounded(system, aim) - aim
@@ -83,7 +83,10 @@ class Nnls(QpSolver):
 
 
 def _is_nearest(multipliers: FloatArray, room: FloatArray, worst: float) -> bool:
-    """Tell whether rows that decide bind: the gap of duality bounds the way to the optimum."""
+    """Tell whether rows that decide bind: the gap of duality bounds the way to the optimum.
+
+    Its root makes 1e-8 of a rounding error, so `room` is what rows have beyond rounding.
+    """
     gap = float(np.abs(multipliers) @ np.maximum(room, 0.0))
     return math.sqrt(2.0 * gap) <= _APART * max(worst, 1.0)
 
