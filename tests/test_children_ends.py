@@ -87,7 +87,8 @@ def test_every_end_of_a_child_leaves_all_that_it_did(tmp_path):
         # Nothing is lost: too close from the first step to the last, and all of them too fast.
         assert report["steps_too_close"] == report["steps_over_actuator_limits"] == report["steps"]
         collision = next(f for f in report["faults"] if f["kind"] == "collision")
-        assert collision["end"] == pytest.approx(0.033 * (report["steps"] - 1))
+        # The last step may have begun to be told, too: "a step that it may not have finished".
+        assert round(collision["end"] / 0.033) - report["steps"] in (-1, 0)
     assert not data["clean"]
     assert notes_on_children(data) == [
         "fork-1 drove on a copy of a Robotarium that its parent had made: what that had done "
