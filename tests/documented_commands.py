@@ -193,7 +193,7 @@ def _commanded(path: Path) -> None:
 
 def _two_seeds(path: Path) -> None:
     for seed in (0, 1):
-        _log(path.parent / f"seed-{seed}" / "nine_robots", 0.1 * seed)
+        _log(path.parents[1] / f"seed-{seed}" / "nine_robots", 0.1 * seed)
 
 
 #: Who makes a file that a page takes for granted, by what its commands name.
