@@ -7,30 +7,27 @@ are near a wall at a time.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
 from barrier_certificates import ties
-from posflock_robotarium.flocking.steering import SteeringParameters, turning_sign
+from posflock_robotarium.flocking.steering import (
+    SteeringParameters,
+    WallSteering,
+    added_by_turning,
+    turning_sign,
+)
 
 Floats = NDArray[np.float64]
 
 
-class BatchSteering:
+class BatchSteering(WallSteering):
     """What turns the common velocity of each team off the walls.
 
     Parameters
     ----------
-    parameters : SteeringParameters
-        How to steer.
-    arena : (4,) tuple
-        Least x, greatest x, least y, greatest y, metres.
-    margin : float
-        How far inside the arena look-ahead points have to stay, metres.
-    time_step : float
-        Seconds between calls.
+    parameters, arena, margin, time_step
+        See `WallSteering`.
     teams : int
         How many teams, B.
     """
@@ -43,10 +40,7 @@ class BatchSteering:
         time_step: float,
         teams: int,
     ) -> None:
-        self.parameters = parameters
-        self.arena = arena
-        self.margin = margin
-        self.time_step = time_step
+        super().__init__(parameters, arena, margin, time_step)
         self._angle = np.zeros(teams)
         self._sign = np.zeros(teams)
 
@@ -76,19 +70,14 @@ class BatchSteering:
         turning = self._sign * self.parameters.turn_rate * self.time_step
         self._angle += turning
         if self._angle.any():
-            inputs = inputs + _turned(inputs.mean(axis=2), self._angle)
+            inputs = inputs + _for_each_robot(inputs.mean(axis=2), self._angle)
         if turning.any():
-            velocities = velocities + _turned(common, turning)
+            velocities = velocities + _for_each_robot(common, turning)
         return inputs, velocities, turning
 
     def _choose(self, points: Floats, common: Floats) -> None:
         """Choose which way each team turns now: 1, -1, or 0 for straight on."""
-        left, right, bottom, top = self.arena
-        least, most = points.min(axis=2), points.max(axis=2)
-        gaps = np.stack(
-            [least[:, 0] - left, right - most[:, 0], least[:, 1] - bottom, top - most[:, 1]], axis=1
-        )
-        call = np.maximum(0.0, self.parameters.reach - (gaps - self.margin))
+        call = self.call(points.min(axis=2).T, points.max(axis=2).T).T
         called = ties.beyond(call, 0.0).any(axis=1)
         self._sign[~called] = 0.0
         clear = self.parameters.clear
@@ -96,9 +85,6 @@ class BatchSteering:
             self._sign[team] = turning_sign(self._sign[team], common[team], call[team], clear)
 
 
-def _turned(common: Floats, angles: Floats) -> Floats:
-    """Return (R(angle) − I)·common of each team as a column that adds to every robot's vector."""
-    cosine = np.array([math.cos(angle) - 1.0 for angle in angles.tolist()])
-    sine = np.array([math.sin(angle) for angle in angles.tolist()])
-    x, y = common.T
-    return np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=1)[:, :, None]
+def _for_each_robot(common: Floats, angles: Floats) -> Floats:
+    """Return what turning adds to each team's (B, 2) vectors, as columns for every robot."""
+    return added_by_turning(common.T, angles).T[:, :, None]

@@ -43,7 +43,7 @@ from numpy.typing import NDArray
 
 from barrier_certificates import ties
 from posflock_robotarium.flocking.errors import ParameterError
-from posflock_robotarium.flocking.steering import SteeringParameters
+from posflock_robotarium.flocking.steering import SteeringParameters, WallSteering, added_by_turning
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -131,20 +131,18 @@ class Message(NamedTuple):
     turns: Integers
 
 
-class LocalSteering:
+class LocalSteering(WallSteering):
     """What turns a flock off the walls where each robot knows its neighbours alone.
 
     Parameters
     ----------
     parameters : LocalSteeringParameters
         How to steer.
-    arena : (4,) tuple
-        Least x, greatest x, least y, greatest y, metres.
-    margin : float
-        How far inside the arena look-ahead points have to stay, metres.
-    time_step : float
-        Seconds between calls.
+    arena, margin, time_step
+        See `WallSteering`.
     """
+
+    parameters: LocalSteeringParameters
 
     def __init__(
         self,
@@ -153,10 +151,7 @@ class LocalSteering:
         margin: float,
         time_step: float,
     ) -> None:
-        self.parameters = parameters
-        self.arena = arena
-        self.margin = margin
-        self.time_step = time_step
+        super().__init__(parameters, arena, margin, time_step)
         self._smoothing = min(1.0, time_step / parameters.smoothing)
         self.reset()
 
@@ -206,8 +201,8 @@ class LocalSteering:
         angle = heard.angle + turning
         self._sent = heard._replace(degree=linked.sum(axis=1), call=call, turns=turns, angle=angle)
         return (
-            inputs + _turned(heard.input, angle),
-            velocities + _turned(heard.velocity, turning),
+            inputs + added_by_turning(heard.input, angle),
+            velocities + added_by_turning(heard.velocity, turning),
             turning,
         )
 
@@ -235,13 +230,10 @@ class LocalSteering:
 
     def _call(self, points: Floats, linked: Booleans, heard: Message) -> Floats:
         """Return how far each robot knows the flock to be within reach of each wall, m."""
-        left, right, bottom, top = self.arena
-        x, y = points
-        gaps = np.array([x - left, right - x, y - bottom, top - y])
-        own = self.parameters.reach - (gaps - self.margin)
+        own = self.call(points, points)
         told = np.where(linked, heard.call[:, None, :], 0.0).max(axis=2)
         fainter = np.maximum(told, heard.call) - self.parameters.fading * self.time_step
-        call: Floats = np.maximum(0.0, np.maximum(own, fainter))
+        call: Floats = np.maximum(own, fainter)
         return call
 
     def _turns(self, turns: Integers, common: Floats, call: Floats) -> Integers:
@@ -265,12 +257,3 @@ def _over(weight: Floats, values: Floats) -> Floats:
     """Return Σ_j weight[i, j]·values[..., j] for each robot i."""
     summed: Floats = (weight * values[..., None, :]).sum(axis=-1)
     return summed
-
-
-def _turned(common: Floats, angle: Floats) -> Floats:
-    """Return (R(angle) − I)·common, robot by robot."""
-    cosine, sine = np.cos(angle) - 1.0, np.sin(angle)
-    turned: Floats = np.stack(
-        [cosine * common[0] - sine * common[1], sine * common[0] + cosine * common[1]]
-    )
-    return turned

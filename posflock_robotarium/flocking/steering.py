@@ -64,8 +64,8 @@ class SteeringParameters:
             raise ParameterError(f"clear: expected a cosine between -1 and 1, got {self.clear}")
 
 
-class ArenaSteering:
-    """What turns a flock's common velocity off the walls, and by how much it has been turned.
+class WallSteering:
+    """What is common to all who turn flocks off the walls: how, within which walls, how often.
 
     Parameters
     ----------
@@ -90,7 +90,33 @@ class ArenaSteering:
         self.arena = arena
         self.margin = margin
         self.time_step = time_step
-        self.reset()
+
+    def call(self, least: Floats, most: Floats) -> Floats:
+        """Return how far look-ahead points are within reach of the walls.
+
+        Parameters
+        ----------
+        least, most : (2, ...) array
+            Their least and greatest x and y, m; the same of single points.
+
+        Returns
+        -------
+        (4, ...) array
+            At the least x, greatest x, least y and greatest y, m.
+        """
+        left, right, bottom, top = self.arena
+        gaps = np.array([least[0] - left, right - most[0], least[1] - bottom, top - most[1]])
+        return np.maximum(0.0, self.parameters.reach - (gaps - self.margin))
+
+
+class ArenaSteering(WallSteering):
+    """What turns a flock's common velocity off the walls, and by how much it has been turned.
+
+    Made as any `WallSteering`.
+    """
+
+    _angle = 0.0
+    _sign = 0.0
 
     def reset(self) -> None:
         """Forget by how much the flock was turned, and which way it turns."""
@@ -124,17 +150,14 @@ class ArenaSteering:
         turning = self._turning(points, common)
         self._angle += turning
         return (
-            inputs + _turned(inputs.mean(axis=1), self._angle),
-            velocities + _turned(common, turning),
+            inputs + added_by_turning(inputs.mean(axis=1)[:, None], np.array([self._angle])),
+            velocities + added_by_turning(common[:, None], np.array([turning])),
             turning,
         )
 
     def _turning(self, points: Floats, common: Floats) -> float:
         """Return by how much to turn the common velocity now, rad, away from near walls."""
-        left, right, bottom, top = self.arena
-        x, y = points
-        gaps = np.array([x.min() - left, right - x.max(), y.min() - bottom, top - y.max()])
-        call = np.maximum(0.0, self.parameters.reach - (gaps - self.margin))
+        call = self.call(points.min(axis=1), points.max(axis=1))
         self._sign = turning_sign(self._sign, common, call, self.parameters.clear)
         return self._sign * self.parameters.turn_rate * self.time_step
 
@@ -166,12 +189,23 @@ def turning_sign(sign: float, common: Floats, call: Floats, clear: float) -> flo
     return 1.0 if ties.reached(across, 0.0) else -1.0
 
 
-def _turned(common: Floats, angle: float) -> Floats:
-    """Return (R(angle) − I)·common as a column that adds to every robot's vector."""
-    cosine, sine = math.cos(angle) - 1.0, math.sin(angle)
-    return np.array(
-        [
-            [cosine * common[0] - sine * common[1]],
-            [sine * common[0] + cosine * common[1]],
-        ]
-    )
+def added_by_turning(common: Floats, angles: Floats) -> Floats:
+    """Return what turning adds to velocities, (R(angle) − I)·common.
+
+    Parameters
+    ----------
+    common : (2, K) array
+        Common velocities, m/s, or inputs, m/s².
+    angles : (K,) array
+        By how much to turn each, rad.
+
+    Returns
+    -------
+    (2, K) array
+        In the unit of `common`.
+    """
+    # Python's own functions: numpy's differ in the last bit from processor to processor.
+    cosine = np.array([math.cos(angle) - 1.0 for angle in angles.tolist()])
+    sine = np.array([math.sin(angle) for angle in angles.tolist()])
+    x, y = common
+    return np.stack([cosine * x - sine * y, sine * x + cosine * y])
