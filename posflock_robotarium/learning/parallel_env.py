@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.learning.libraries import LearningLibraryError
-from posflock_robotarium.learning.rendering import ArenaPicture
+from posflock_robotarium.learning.rendering import TeamPictures
 from posflock_robotarium.learning.scenario import Scenario
 from posflock_robotarium.learning.teams import Teams, TeamSettings
 
@@ -73,7 +73,7 @@ class TeamParallelEnv(ParallelEnv[str, Singles, Singles]):  # type: ignore[misc]
             agent: Box(-1.0, 1.0, (2,), np.float32) for agent in self.possible_agents
         }
         self._stream = np_random(None)[0]
-        self._picture: ArenaPicture | None = None
+        self._pictures = TeamPictures(self.teams)
 
     def observation_space(self, agent: str) -> Box:
         """Return what an agent sees.
@@ -170,11 +170,7 @@ class TeamParallelEnv(ParallelEnv[str, Singles, Singles]):  # type: ignore[misc]
         """Return the arena from above as a (360, 560, 3) array; None without a render mode."""
         if self.render_mode is None:
             return None
-        if self._picture is None:
-            self._picture = ArenaPicture(self.teams.settings.robot.boundaries)
-        return self._picture.draw(
-            self.teams.world, 0, self.teams.scenario.marks(self.teams.world, 0)
-        )
+        return self._pictures.of(0)
 
     def _seen(self) -> dict[str, Singles]:
         rows = self.teams.observe()[0].astype(np.float32)

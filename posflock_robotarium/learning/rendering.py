@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from posflock_robotarium.figures.palette import BLACK, BLUE, GREEN, GREY, ORANGE
 from posflock_robotarium.figures.style import in_style, new_figure
 from posflock_robotarium.learning.scenario import Marker, World
+from posflock_robotarium.learning.teams import Teams
 from rps_compat.testbed import ROBOT_LENGTH, ROBOT_WIDTH
 
-__all__ = ["ArenaPicture"]
+__all__ = ["ArenaPicture", "TeamPictures"]
 
 Picture = NDArray[np.uint8]
 
@@ -101,6 +102,38 @@ class ArenaPicture:
         return self._axes.annotate(
             words, place, points, textcoords="offset points", color=colour, fontsize=7
         )
+
+
+class TeamPictures:
+    """Pictures of teams as they are, drawn into one figure that is made at the first.
+
+    Parameters
+    ----------
+    teams : Teams
+        Who is drawn.
+    """
+
+    def __init__(self, teams: Teams) -> None:
+        self._teams = teams
+        self._picture: ArenaPicture | None = None
+
+    def of(self, team: int) -> Picture:
+        """Return the arena from above.
+
+        Parameters
+        ----------
+        team : int
+            Whose.
+
+        Returns
+        -------
+        (360, 560, 3) array
+            Red, green and blue bytes.
+        """
+        if self._picture is None:
+            self._picture = ArenaPicture(self._teams.settings.robot.boundaries)
+        world = self._teams.world
+        return self._picture.draw(world, team, self._teams.scenario.marks(world, team))
 
 
 def _outline(x: float, y: float, heading: float) -> tuple[NDArray[Any], NDArray[Any]]:

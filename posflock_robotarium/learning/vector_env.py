@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.learning.libraries import LearningLibraryError
-from posflock_robotarium.learning.rendering import ArenaPicture
+from posflock_robotarium.learning.rendering import TeamPictures
 from posflock_robotarium.learning.scenario import Scenario
 from posflock_robotarium.learning.teams import Teams, TeamSettings
 
@@ -125,7 +125,7 @@ class TeamEnv(gymnasium.Env[Singles, Singles]):
         self.teams = Teams(scenario, 1, settings)
         self.render_mode = render_mode
         self.observation_space, self.action_space = spaces_of(scenario)
-        self._picture: ArenaPicture | None = None
+        self._pictures = TeamPictures(self.teams)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -182,11 +182,7 @@ class TeamEnv(gymnasium.Env[Singles, Singles]):
         """Return the arena from above as a (360, 560, 3) array; None without a render mode."""
         if self.render_mode is None:
             return None
-        if self._picture is None:
-            self._picture = ArenaPicture(self.teams.settings.robot.boundaries)
-        return self._picture.draw(
-            self.teams.world, 0, self.teams.scenario.marks(self.teams.world, 0)
-        )
+        return self._pictures.of(0)
 
     def _info(self) -> dict[str, Any]:
         return {name: float(values[0]) for name, values in self.teams.metrics().items()}
@@ -242,7 +238,7 @@ class TeamVectorEnv(VectorEnv[Singles, Singles, NDArray[Any]]):
         self._streams: list[np.random.Generator] = [np_random(None)[0] for _ in range(num_envs)]
         self._over: Flags = np.zeros(num_envs, dtype=bool)
         self._begun = False
-        self._picture: ArenaPicture | None = None
+        self._pictures = TeamPictures(self.teams)
 
     def reset(
         self,
@@ -350,12 +346,7 @@ class TeamVectorEnv(VectorEnv[Singles, Singles, NDArray[Any]]):
         """Return the arenas from above, a (360, 560, 3) array each; None without a render mode."""
         if self.render_mode is None:
             return None
-        if self._picture is None:
-            self._picture = ArenaPicture(self.teams.settings.robot.boundaries)
-        world, marks = self.teams.world, self.teams.scenario.marks
-        return tuple(
-            self._picture.draw(world, team, marks(world, team)) for team in range(self.num_envs)
-        )
+        return tuple(self._pictures.of(team) for team in range(self.num_envs))
 
     def _restart(self, which: Flags) -> None:
         chosen = np.flatnonzero(which)
