@@ -34,7 +34,7 @@ from batch_teams import AHEAD, GAIN, KINDS, RADIUS, SPEED, TIME_STEP, steps_of, 
 from barrier_certificates.batch import BatchCertificate
 from barrier_certificates.unicycle import UnicycleCertificate
 from rps_compat.arena import Arena
-from rps_compat.batch import BatchArena, RolloutOutcome, ToGoals, rollout
+from rps_compat.batch import BatchArena, Rollout, RolloutOutcome, ToGoals, rollout
 
 CERTIFICATE = UnicycleCertificate(
     safety_radius=RADIUS, barrier_gain=2000.0, wall_gain=100.0, wall_margin=0.11,
@@ -43,6 +43,7 @@ CERTIFICATE = UnicycleCertificate(
 #: At least so many times JaxRobotarium, and the single arena here.
 BARS = {"bare": (1.2, 100.0), "spread": (1.5, 40.0), "packed": (5.0, 10.0), "swap": (5.0, 10.0)}
 _SINGLE_STEPS = 30
+_LEAST_STEPS = 6_000  # of teams, in a row: fewer are timed before a processor has settled on them
 
 
 class Batch:
@@ -68,13 +69,15 @@ class Batch:
     def single(self, steps: int) -> None:
         """Do steps one by one."""
         self.start()
-        arena, wish = self.arena, ToGoals(self.target, GAIN, SPEED)
-        for _ in range(steps):
-            if self.kind == "bare":
+        arena = self.arena
+        if self.kind == "bare":
+            for _ in range(steps):
                 arena.commands = self.target
-            else:
-                arena.commands, _ = self.certificate(wish(arena.poses, AHEAD), arena.poses)
-            arena.step()
+                arena.step()
+        else:
+            way = Rollout(arena, self.certificate, ToGoals(self.target, GAIN, SPEED))
+            for _ in range(steps):
+                way.run()
 
     def start(self) -> None:
         """Put all teams where they begin."""
@@ -114,11 +117,11 @@ class Rival:
         self.version = self.process.stdout.readline().strip()
         self.clearance = np.nan
 
-    def seconds(self, kind: str, mode: str, number: int, steps: int) -> float:
-        """Return the CPU seconds of so many steps."""
+    def seconds(self, kind: str, mode: str, number: int, steps: int, times: int = 1) -> float:
+        """Return the CPU seconds of so many steps, done so many times."""
         assert self.process.stdin is not None
         assert self.process.stdout is not None
-        print(kind, mode, number, steps, file=self.process.stdin, flush=True)
+        print(kind, mode, number, steps, times, file=self.process.stdin, flush=True)
         seconds, self.clearance = map(float, self.process.stdout.readline().split())
         return seconds
 
@@ -128,13 +131,20 @@ def cell(table: Table, rival: Rival | None, kind: str, mode: str, number: int, r
     batch = Batch(kind, number)
     steps = steps_of(kind, number) if mode == "rollout" else _SINGLE_STEPS
     few = steps if kind == "bare" or number <= 64 else min(steps, 4)
+    again = max(1, _LEAST_STEPS // (number * steps))
     reference = 400 if kind == "bare" else 150
+    go = batch.roll if mode == "rollout" else batch.single
+
+    def repeated() -> None:
+        for _ in range(again):
+            go(steps)
+
     candidates = {
-        "batch": lambda: cpu(lambda: getattr(batch, "roll" if mode == "rollout" else mode)(steps)),
+        "batch": lambda: cpu(repeated) / again,
         "alone": lambda: cpu(alone(kind, reference)),
     }
     if rival is not None:
-        candidates["rival"] = lambda: rival.seconds(kind, mode, number, few)
+        candidates["rival"] = lambda: rival.seconds(kind, mode, number, few, again) / again
         candidates["rival"]()  # compiles
     times = Times(candidates, rounds)
     mine = number * steps / times.median("batch")

@@ -55,4 +55,4 @@ def steps_of(kind: str, number: int) -> int:
     """Return how many steps a rollout of a kind has: of few teams half a minute, else 4 s."""
     if kind == "bare":
         return max(100, 200_000 // number)
-    return 900 if number == 1 else 120
+    return 120

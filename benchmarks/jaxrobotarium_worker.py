@@ -2,8 +2,8 @@
 
 Started by `batch_speed.py` with the Python of an environment that has jax and jaxopt, and the
 folder of the simulator (``rps_jax`` of shalin-jain/robotarium_python_simulator). A line is
-``kind mode teams steps``; the answer is ``seconds clearance``: CPU seconds of a rollout that is
-compiled already, and the least distance of two projection points less the radius at its end, m.
+``kind mode teams steps times``; the answer is ``seconds clearance``: CPU seconds of so many equal
+rollouts that are compiled already, and the least distance of two projection points less the radius at its end, m.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ def main():
     ready = {}
     print(jax.__version__, flush=True)
     for line in sys.stdin:
-        kind, mode, number, steps = line.split()
+        kind, mode, number, steps, times = line.split()
         key = (kind, mode, int(number), int(steps))
         if key not in ready:
             arrays = [jnp.asarray(a) for a in teams(kind, key[2])]
@@ -89,7 +89,8 @@ def main():
             ready[key][0](*arrays)
         run, arrays = ready[key]
         before = time.process_time()
-        poses = run(*arrays)
+        for _ in range(int(times)):
+            poses = run(*arrays)
         print(time.process_time() - before, least_clearance(poses), flush=True)
 
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from barrier_certificates.array_types import FloatArray, IntArray
-from barrier_certificates.batch.compiling import compiled
+from barrier_certificates.batch.compiling import compiled, makes_arrays
 from barrier_certificates.batch.layout import TeamRows
 
 DEPENDENT = 1e-13
@@ -57,7 +57,7 @@ class Space(NamedTuple):
     largest: FloatArray
 
 
-@compiled
+@makes_arrays
 def space_for(number: int, total: int) -> Space:
     """Return room for a team.
 

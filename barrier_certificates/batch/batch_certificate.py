@@ -210,7 +210,7 @@ class BatchCertificate:
         poses : (B, 3, N) array
             Poses of the robots, m and rad.
         """
-        self._checked(np.zeros((poses.shape[0], 2, poses.shape[2])), poses)
+        self._meet(poses.shape[0], poses.shape[2])
         return self._placed(None), self._drive, self._pattern, self._answers
 
     def answer_alone(
@@ -250,15 +250,20 @@ class BatchCertificate:
                 f"commands have shape {first.shape} and states {second.shape}; expected (B, 2, N)"
                 f" and (B, {rows}, N), for B teams of N robots"
             )
+        self._meet(teams, robots)
+        return first, second
+
+    def _meet(self, teams: int, robots: int) -> None:
+        """Begin anew where there are other teams than before."""
         if (teams, robots) != self._teams:
             self._teams = (teams, robots)
             self.reset()
-        return first, second
 
     def _lay_out(self, teams: int, robots: int) -> None:
         most = 2 * robots + 1
         self._pattern = rows_of(self._recipe, robots)
         self._fresh: BoolArray = np.ones(teams, dtype=bool)
+        self._all_met = False
         self._answers = Answers(
             np.zeros((teams, 2, robots)),
             np.zeros(teams, dtype=np.intp),
@@ -281,26 +286,36 @@ class BatchCertificate:
             np.empty(teams, np.intp),
             np.empty((4, teams)),
         )
-        answers = self._answers._replace(velocity=velocity, status=status, numbers=numbers)
         status[:] = UNANSWERED
+        unanswered = teams
         if self.compiled:
             recipe = self._placed(obstacles)
-            arguments = (recipe, drive, self._pattern, desired, states, answers)
-            over_teams(certify_teams, teams, self.threads, *arguments)
+            written = (velocity, status, numbers, self._answers.binding, self._answers.bound)
+            program = (tuple(recipe), tuple(drive), tuple(self._pattern))
+            arguments = (*program, desired, states, written)
+            unanswered = sum(over_teams(certify_teams, teams, self.threads, *arguments))
         elif not self._each:
             self._each = [replace(self.certificate) for _ in range(teams)]
-        left = np.flatnonzero(status == UNANSWERED)
-        for team in left.tolist():
+        left = np.flatnonzero(status == UNANSWERED).tolist() if unanswered else []
+        for team in left:
             alone = self._each[team] if self._each else self._alone
             if not self._each:
                 alone.reset()
             velocity[team], info = one(alone, desired[team], states[team], obstacles)
             status[team], numbers[:, team] = numbers_of(info)
-        unsafe = self._fresh & (numbers[2] < 0.0)
-        self._fresh &= np.isnan(numbers[2])
+        unsafe = self._unsafe_starts(numbers[2])
         return velocity, BatchInfo(
             status, numbers[0], numbers[1], numbers[2], numbers[3], unsafe, len(left)
         )
+
+    def _unsafe_starts(self, clearance: FloatArray) -> BoolArray:
+        """Return which teams were met for the first time, and unsafe already."""
+        if self._all_met:
+            return np.zeros(clearance.shape, dtype=bool)
+        unsafe = self._fresh & (clearance < 0.0)
+        self._fresh &= np.isnan(clearance)
+        self._all_met = not self._fresh.any()
+        return unsafe
 
     def _placed(self, obstacles: Sequence[Obstacle] | None) -> Recipe:
         """Return what rows are made from, with obstacles where they are now."""
@@ -315,9 +330,9 @@ class BatchCertificate:
         self._recipe = self._recipe._replace(obstacles=np.ascontiguousarray(table))
         if table.shape[1] != before:
             self._alone = replace(self.certificate)
-            fresh = self._fresh
+            fresh, all_met = self._fresh, self._all_met
             self._lay_out(*self._teams)
-            self._fresh = fresh
+            self._fresh, self._all_met = fresh, all_met
         return self._recipe
 
 

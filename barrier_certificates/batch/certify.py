@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.batch.active_rows import Space, copy, space_for
-from barrier_certificates.batch.compiling import compiled, entered
+from barrier_certificates.batch.compiling import compiled, entered, makes_arrays
 from barrier_certificates.batch.headings import cosines_and_sines
 from barrier_certificates.batch.layout import Recipe, TeamRows
 from barrier_certificates.batch.search import NOT_FOUND, climb, guess
@@ -70,42 +70,43 @@ class Answers(NamedTuple):
 def certify_teams(
     first: int,
     last: int,
-    recipe: Recipe,
-    drive: DriveModel,
-    pattern: TeamRows,
+    program: tuple[Any, ...],
+    drives: tuple[Any, ...],
+    pattern: tuple[Any, ...],
     desired: FloatArray,
     states: FloatArray,
-    answers: Answers,
-) -> None:
-    """Answer for teams one after the other.
+    written: tuple[Any, ...],
+) -> int:
+    """Answer for teams one after the other; return how many were left unanswered.
 
     Parameters
     ----------
     first, last : int
         The first team, and the one after the last.
-    recipe : Recipe
-        What rows are made from.
-    drive : DriveModel
-        How robots follow.
-    pattern : TeamRows
-        Who is in each row.
+    program, drives, pattern : tuple
+        What is in a `Recipe`, from which rows are made; in a `DriveModel`, how robots follow; in
+        `TeamRows`, who is in each row.
     desired : (B, 2, N) array
         What is desired.
     states : (B, 2, N) or (B, 3, N) array
         Positions, or poses.
-    answers : Answers
-        Where answers are written; binding rows are read as those of the last step.
+    written : tuple
+        What is in `Answers`, where answers are written; binding rows are read as those of the last
+        step.
     """
-    space = space_for(desired.shape[2], pattern.bound.shape[0])
-    rows = rows_in(pattern)
-    barrier = np.zeros(2)
+    recipe, drive, rows = Recipe(*program), DriveModel(*drives), rows_in(TeamRows(*pattern))
+    answers = Answers(*written)
+    space = space_for(desired.shape[2], rows.bound.shape[0])
+    barrier, left = np.zeros(2), 0
     for team in range(first, last):
         certify_team(
             recipe, drive, rows, space, barrier, desired[team], states[team], team, answers
         )
+        left += int(answers.status[team] == UNANSWERED)
+    return left
 
 
-@compiled
+@makes_arrays
 def rows_in(pattern: TeamRows) -> TeamRows:
     """Return room for the rows of one team.
 

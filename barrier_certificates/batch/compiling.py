@@ -25,6 +25,7 @@ from typing import Any, Literal, TypeVar, cast, get_args
 from barrier_certificates.certificate_errors import EngineNotInstalledError, ParameterError
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+Result = TypeVar("Result")
 
 Engine = Literal["auto", "numba", "numpy"]
 """Who computes: compiled code, numpy, or the first of the two that is installed."""
@@ -72,6 +73,9 @@ def is_compiled(engine: str) -> bool:
 def entered(function: Function) -> Function:
     """Compile a kernel that Python calls, where numba is installed, and keep it on disk.
 
+    Named tuples are handed over as plain ones, and given their names inside: numba looks up the
+    class of each at every call, which takes four times as long as the arrays in it.
+
     Parameters
     ----------
     function : callable
@@ -93,25 +97,42 @@ def entered(function: Function) -> Function:
 def compiled(function: Function) -> Function:
     """Compile a kernel that only kernels call, where numba is installed, into each of these.
 
-    A call would hand over an array as seven numbers, which takes longer than many a loop.
+    A call would hand over an array as seven numbers, which takes longer than many a loop. Nor does
+    such a kernel count who refers to an array, an eighth of a robot's step each time: it makes none
+    that lives on, and its callers hold those that it is given.
 
     Parameters
     ----------
     function : callable
-        A function of numbers, arrays and tuples of them, which calls only such, and kernels.
+        A function of numbers, arrays and tuples of them, which calls only such, and kernels, and
+        makes no arrays.
     """
+    return _inlined(function, _nrt=False)
+
+
+def makes_arrays(function: Function) -> Function:
+    """Compile a kernel that makes arrays for its caller, into each kernel that calls it.
+
+    Parameters
+    ----------
+    function : callable
+        A function as for `compiled`.
+    """
+    return _inlined(function)
+
+
+def _inlined(function: Function, **more: bool) -> Function:
     if not numba_is_installed():
         return function
-    numba = _numba()
     options = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "forceinline": True}
-    kernel = numba.njit(nogil=True, error_model="numpy", **options)(function)
+    kernel = _numba().njit(nogil=True, error_model="numpy", **options, **more)(function)
     _PARTS[id(kernel)] = function
     return cast(Function, kernel)
 
 
 def over_teams(
-    kernel: Callable[..., Any], teams: int, threads: int | None, *arguments: Any
-) -> None:
+    kernel: Callable[..., Result], teams: int, threads: int | None, *arguments: Any
+) -> list[Result]:
     """Call a kernel for all teams, in parts side by side where that pays.
 
     Parameters
@@ -123,19 +144,24 @@ def over_teams(
     threads : int, optional
         How many parts at most; one for each processor of this process if None.
     *arguments : (...) array
-        What the kernel takes besides: arrays, and tuples of arrays and numbers.
+        What the kernel takes besides: arrays, numbers, and plain tuples of them.
+
+    Returns
+    -------
+    list
+        What the kernel returned for each part.
     """
-    parts = min(threads or _processors(), teams // _TEAMS_A_THREAD)
+    parts = teams // _TEAMS_A_THREAD
+    if parts > 1:  # asking for the processors takes longer than a team's step
+        parts = min(threads or _processors(), parts)
     if parts <= 1:
-        kernel(0, teams, *arguments)
-        return
+        return [kernel(0, teams, *arguments)]
     edges = [teams * part // parts for part in range(parts + 1)]
     waiting = [
         _pool().submit(kernel, first, last, *arguments) for first, last in pairwise(edges[1:])
     ]
-    kernel(0, edges[1], *arguments)
-    for other in waiting:
-        other.result()
+    mine = kernel(0, edges[1], *arguments)
+    return [mine, *(other.result() for other in waiting)]
 
 
 _TEAMS_A_THREAD = 32  # fewer are done before another thread has been woken
@@ -198,6 +224,7 @@ __all__: Sequence[str] = [
     "compiled",
     "entered",
     "is_compiled",
+    "makes_arrays",
     "numba_is_installed",
     "over_teams",
 ]

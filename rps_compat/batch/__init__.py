@@ -10,6 +10,14 @@ From the outside in:
 
 from rps_compat.batch.batch_arena import BatchArena
 from rps_compat.batch.batch_violations import BatchViolations
-from rps_compat.batch.rollout import Hold, RolloutOutcome, ToGoals, rollout
+from rps_compat.batch.rollout import Hold, Rollout, RolloutOutcome, ToGoals, rollout
 
-__all__ = ["BatchArena", "BatchViolations", "Hold", "RolloutOutcome", "ToGoals", "rollout"]
+__all__ = [
+    "BatchArena",
+    "BatchViolations",
+    "Hold",
+    "Rollout",
+    "RolloutOutcome",
+    "ToGoals",
+    "rollout",
+]

@@ -13,7 +13,7 @@ from rps_compat.arena_guests import Array
 from rps_compat.batch.batch_effects import BatchRealism, begin, move
 from rps_compat.batch.batch_violations import BatchViolations, empty_tally
 from rps_compat.batch.step_arrays import judged
-from rps_compat.batch.step_kernel import constants_of, drive_teams
+from rps_compat.batch.step_kernel import are_within, constants_of, drive_teams
 from rps_compat.errors import CommandError, InitialConditionsError
 from rps_compat.realism import Profile
 from rps_compat.testbed import GRITSBOT_X, RobotModel
@@ -162,7 +162,7 @@ class BatchArena:
                 self.constants,
                 self.poses,
                 self.commands,
-                self.tally,
+                tuple(self.tally),
                 steps,
             )
             self.velocities = self.commands
@@ -222,7 +222,7 @@ class BatchArena:
         commands : (B, 2, N) array
             Commands of all teams, of which its own are cut in place at the wheels' limits.
         """
-        drive_teams(team, team + 1, self.constants, self.poses, commands, self.tally, 1)
+        drive_teams(team, team + 1, self.constants, self.poses, commands, tuple(self.tally), 1)
 
     def rolled(self, commands: Array, steps: int) -> None:
         """Take note of steps that were done elsewhere.
@@ -256,13 +256,18 @@ class BatchArena:
                 f"velocities have shape {copy.shape}, but {teams} teams of {robots} robots need"
                 f" ({teams}, 2, {robots}): forward speeds in m/s, turn rates in rad/s"
             )
-        if not np.abs(copy).max(initial=0.0) <= _LARGEST:
+        small = are_within if self.compiled else _are_within
+        if not small(copy, _LARGEST):
             for team, velocities in enumerate(copy):
                 try:
                     require_finite(velocities)
                 except CommandError as error:
                     raise CommandError(f"team {team}: {error}") from None
         return copy
+
+
+def _are_within(commands: Array, largest: float) -> bool:
+    return bool(np.abs(commands).max(initial=0.0) <= largest)
 
 
 def _generators(

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from barrier_certificates.batch.batch_certificate import BatchCertificate
+from barrier_certificates.batch.certify import Answers
 from barrier_certificates.batch.compiling import over_teams
 from rps_compat.arena_guests import Array
 from rps_compat.batch.batch_arena import BatchArena
@@ -22,7 +23,7 @@ from rps_compat.batch.rollout_kernel import (
 from rps_compat.errors import CommandError
 from rps_compat.kinematics import projection_point, unicycle_command
 
-__all__ = ["Hold", "RolloutOutcome", "ToGoals", "rollout"]
+__all__ = ["Hold", "Rollout", "RolloutOutcome", "ToGoals", "rollout"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,6 +130,127 @@ class RolloutOutcome:
     handed_over: int
 
 
+class Rollout:
+    """Teams on their way under a certificate, with what a step takes made ready once.
+
+    A call of `rollout` does many steps; who looks at the teams between steps keeps one of these, and
+    pays for a step of one team a twentieth of what controller, certificate and arena cost in turn.
+
+    Parameters
+    ----------
+    arena : BatchArena
+        Where the teams are; it is moved.
+    certificate : BatchCertificate
+        Who certifies: of unicycles.
+    wish : Hold or ToGoals
+        What robots would do.
+
+    Raises
+    ------
+    CommandError
+        If what is wished is not for so many teams and robots.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from barrier_certificates.unicycle import UnicycleCertificate
+    >>> teams = BatchArena([[[-0.5, 0.5], [0.0, 0.0], [0.0, 3.1]]])
+    >>> certificate = BatchCertificate(UnicycleCertificate(0.2, speed_limit=0.15))
+    >>> way = Rollout(teams, certificate, ToGoals(-teams.poses[:, :2]))
+    >>> while way.outcome.clearance.min() > 0.5:
+    ...     way.run()
+    >>> teams.steps
+    32
+    """
+
+    def __init__(
+        self, arena: BatchArena, certificate: BatchCertificate, wish: Hold | ToGoals
+    ) -> None:
+        teams, _, robots = arena.poses.shape
+        asked = wish.wish()
+        if asked.target.shape != (teams, 2, robots):
+            raise CommandError(
+                f"the wish is of shape {asked.target.shape}; expected {(teams, 2, robots)}"
+            )
+        self.arena = arena
+        self.certificate = certificate
+        self.wish = wish
+        self._wished = tuple(asked)
+        self._teams = np.arange(teams)
+        self._progress = Progress(
+            np.zeros(teams, dtype=np.intp),
+            np.zeros((teams, 4), dtype=np.intp),
+            np.zeros((3, teams)),
+        )
+        self._progress.extremes[CLEARANCE] = np.inf
+        self._steps = 0
+        self._handed_over = 0
+        alike = arena.compiled and certificate.compiled and arena.realism is None
+        self._compiled = alike and not certificate.answers_late
+
+    @property
+    def outcome(self) -> RolloutOutcome:
+        """What became of each team so far; the arrays are copies."""
+        _, statuses, extremes = self._progress
+        return RolloutOutcome(statuses.copy(), *extremes.copy(), self._handed_over)
+
+    def run(self, steps: int = 1) -> None:
+        """Go on.
+
+        Parameters
+        ----------
+        steps : int
+            How many steps.
+        """
+        self._steps += steps
+        if self._compiled:
+            self._run_compiled(steps)
+        else:
+            for _ in range(steps):
+                self._step()
+
+    def _step(self) -> None:
+        """Do a step of all teams at once."""
+        arena, progress = self.arena, self._progress
+        extremes, seen = progress.extremes, arena.observe()
+        wish = self.wish(seen, self.certificate.distance)
+        arena.commands, info = self.certificate(wish, seen)
+        arena.step()
+        progress.statuses[self._teams, info.status] += 1
+        extremes[VIOLATION] = np.fmax(extremes[VIOLATION], info.violation)
+        extremes[INTERVENTION] = np.fmax(extremes[INTERVENTION], info.intervention)
+        extremes[CLEARANCE] = np.fmin(extremes[CLEARANCE], info.clearance)
+        self._handed_over += info.handed_over
+
+    def _run_compiled(self, steps: int) -> None:
+        """Go team by team, and let a single certificate answer where the compiled one does not."""
+        arena, progress = self.arena, self._progress
+        recipe, drive, pattern, answers = self.certificate.prepared(arena.poses)
+        arguments = (
+            arena.constants, self._wished, tuple(recipe), tuple(drive), tuple(pattern),
+            arena.poses, tuple(arena.tally), tuple(answers), tuple(progress), self._steps,
+        )  # fmt: skip
+        left = self._teams
+        while sum(over_teams(roll_teams, left.size, arena.threads, left, *arguments)):
+            left = left[progress.done[left] < self._steps]
+            for team in left.tolist():
+                self._answer_alone(team, answers)
+            left = left[progress.done[left] < self._steps]
+        arena.rolled(answers.velocity, steps)
+
+    def _answer_alone(self, team: int, answers: Answers) -> None:
+        """Do a step of one team by a single certificate."""
+        arena, progress = self.arena, self._progress
+        status, numbers = self.certificate.answer_alone(team, arena.poses[team], answers)
+        progress.statuses[team, status] += 1
+        extremes = progress.extremes[:, team]
+        extremes[:2] = np.fmax(extremes[:2], numbers[:2])
+        extremes[CLEARANCE] = np.fmin(extremes[CLEARANCE], numbers[2])
+        arena.step_team(team, answers.velocity)
+        progress.done[team] += 1
+        self._handed_over += 1
+
+
 def rollout(
     arena: BatchArena, certificate: BatchCertificate, wish: Hold | ToGoals, steps: int
 ) -> RolloutOutcome:
@@ -150,75 +272,6 @@ def rollout(
     CommandError
         If what is wished is not for so many teams and robots.
     """
-    shape = (arena.poses.shape[0], 2, arena.poses.shape[2])
-    if wish.wish().target.shape != shape:
-        raise CommandError(f"the wish is of shape {wish.wish().target.shape}; expected {shape}")
-    teams = shape[0]
-    progress = Progress(
-        np.zeros(teams, dtype=np.intp), np.zeros((teams, 4), dtype=np.intp), np.zeros((3, teams))
-    )
-    progress.extremes[CLEARANCE] = np.inf
-    alike = arena.compiled and certificate.compiled and arena.realism is None
-    roll = _roll_compiled if alike and not certificate.answers_late else _roll
-    handed_over = roll(arena, certificate, wish, steps, progress)
-    extremes = progress.extremes
-    return RolloutOutcome(
-        progress.statuses,
-        extremes[VIOLATION],
-        extremes[INTERVENTION],
-        extremes[CLEARANCE],
-        handed_over,
-    )
-
-
-def _roll(
-    arena: BatchArena,
-    certificate: BatchCertificate,
-    wish: Hold | ToGoals,
-    steps: int,
-    progress: Progress,
-) -> int:
-    """Go step by step, all teams at once."""
-    distance, teams, handed_over = certificate.distance, np.arange(arena.poses.shape[0]), 0
-    extremes = progress.extremes
-    for _ in range(steps):
-        seen = arena.observe()
-        arena.commands, info = certificate(wish(seen, distance), seen)
-        arena.step()
-        progress.statuses[teams, info.status] += 1
-        extremes[VIOLATION] = np.fmax(extremes[VIOLATION], info.violation)
-        extremes[INTERVENTION] = np.fmax(extremes[INTERVENTION], info.intervention)
-        extremes[CLEARANCE] = np.fmin(extremes[CLEARANCE], info.clearance)
-        handed_over += info.handed_over
-    return handed_over
-
-
-def _roll_compiled(
-    arena: BatchArena,
-    certificate: BatchCertificate,
-    wish: Hold | ToGoals,
-    steps: int,
-    progress: Progress,
-) -> int:
-    """Go team by team, and let a single certificate answer where the compiled one does not."""
-    recipe, drive, pattern, answers = certificate.prepared(arena.poses)
-    asked, handed_over = wish.wish(), 0
-    left = np.arange(arena.poses.shape[0])
-    while left.size:
-        over_teams(
-            roll_teams, left.size, arena.threads, left, arena.constants, asked, recipe, drive,
-            pattern, arena.poses, arena.tally, answers, progress, steps,
-        )  # fmt: skip
-        left = left[progress.done[left] < steps]
-        for team in left.tolist():
-            handed_over += 1
-            status, numbers = certificate.answer_alone(team, arena.poses[team], answers)
-            progress.statuses[team, status] += 1
-            extremes = progress.extremes[:, team]
-            extremes[:2] = np.fmax(extremes[:2], numbers[:2])
-            extremes[CLEARANCE] = np.fmin(extremes[CLEARANCE], numbers[2])
-            arena.step_team(team, answers.velocity)
-            progress.done[team] += 1
-        left = left[progress.done[left] < steps]
-    arena.rolled(answers.velocity, steps)
-    return handed_over
+    way = Rollout(arena, certificate, wish)
+    way.run(steps)
+    return way.outcome

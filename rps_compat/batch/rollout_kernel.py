@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,7 +20,6 @@ from barrier_certificates.batch.compiling import compiled, entered
 from barrier_certificates.batch.headings import cosines_and_sines
 from barrier_certificates.batch.layout import Recipe, TeamRows
 from rps_compat.arena_guests import Array
-from rps_compat.batch.batch_violations import Tally
 from rps_compat.batch.step_kernel import (
     admit,
     body,
@@ -79,16 +78,16 @@ def roll_teams(
     last: int,
     which: IntArray,
     constants: Array,
-    wish: Wish,
-    recipe: Recipe,
-    drive: DriveModel,
-    pattern: TeamRows,
+    wished: tuple[Any, ...],
+    program: tuple[Any, ...],
+    drives: tuple[Any, ...],
+    pattern: tuple[Any, ...],
     poses: Array,
-    tally: Tally,
-    answers: Answers,
-    progress: Progress,
+    counters: tuple[Any, ...],
+    written: tuple[Any, ...],
+    progress: tuple[Any, ...],
     steps: int,
-) -> None:
+) -> int:
     """Let teams go on until they have done so many steps, or a single certificate has to answer.
 
     Parameters
@@ -99,26 +98,33 @@ def roll_teams(
         The teams asked for.
     constants : (12,) array
         See `step_kernel.constants_of`.
-    wish : Wish
-        What robots would do.
-    recipe, drive, pattern
+    wished : tuple
+        What is in a `Wish`: what robots would do.
+    program, drives, pattern : tuple
         The certificate, see `certify_teams`.
     poses : (B, 3, N) array
         Moved in place, m and rad.
-    tally : Tally
-        What is counted.
-    answers : Answers
-        The commands at last; those that are left to a single certificate are as desired.
-    progress : Progress
-        How far teams are.
+    counters : tuple
+        What is in a `Tally`, in which is counted.
+    written : tuple
+        What is in `Answers`: the commands at last; those that are left to a single certificate are
+        as desired.
+    progress : tuple
+        What is in `Progress`: how far teams are.
     steps : int
         How many steps in all.
+
+    Returns
+    -------
+    int
+        How many teams wait for a single certificate.
     """
-    number = poses.shape[2]
-    space, rows, barrier = space_for(number, pattern.bound.shape[0]), rows_in(pattern), np.zeros(2)
+    recipe, drive, rows = Recipe(*program), DriveModel(*drives), rows_in(TeamRows(*pattern))
+    answers, wish, number, waiting = Answers(*written), Wish(*wished), poses.shape[2], 0
+    space, barrier = space_for(number, rows.bound.shape[0]), np.zeros(2)
     desired = np.zeros((2, number))
     left, right, cosine, sine, body_x, body_y, least = room_for(number)
-    counts, by_robot, extremes = tally
+    counts, by_robot, extremes = counters
     velocity, status, numbers = answers.velocity, answers.status, answers.numbers
     done, statuses, worst = progress
     for at in range(first, last):
@@ -132,6 +138,7 @@ def roll_teams(
             if status[team] == UNANSWERED:
                 for k in range(number):
                     forward[k], turn[k] = desired[0, k], desired[1, k]
+                waiting += 1
                 break
             statuses[team, status[team]] += 1
             worst[VIOLATION, team] = max(worst[VIOLATION, team], numbers[0, team])
@@ -148,6 +155,7 @@ def roll_teams(
             move(constants, x, y, heading, forward, turn, left, right, cosine, sine)
             done[team] += 1
         finish_team(least, extremes, team)
+    return waiting
 
 
 @compiled

@@ -8,11 +8,11 @@ room for rounding; what may be too close is measured as the arena does.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from barrier_certificates.batch.compiling import compiled, entered
+from barrier_certificates.batch.compiling import compiled, entered, makes_arrays
 from barrier_certificates.batch.headings import cosines_and_sines
 from barrier_certificates.ties import TIE
 from rps_compat.arena import WRAPPED_BEYOND
@@ -24,7 +24,6 @@ from rps_compat.batch.batch_violations import (
     OUTSIDE,
     SATURATED,
     Counts,
-    Tally,
 )
 from rps_compat.testbed import RobotModel
 
@@ -61,7 +60,7 @@ class StepSpace(NamedTuple):
     least: Array
 
 
-@compiled
+@makes_arrays
 def room_for(number: int) -> StepSpace:
     """Return room for a team.
 
@@ -101,8 +100,31 @@ def constants_of(robot: RobotModel) -> Array:
 
 
 @entered
+def are_within(commands: Array, largest: float) -> bool:
+    """Whether no command is beyond a number, and none is not a number.
+
+    Parameters
+    ----------
+    commands : (B, 2, N) array
+        Commands, m/s and rad/s.
+    largest : float
+        The number.
+    """
+    beyond = 0
+    for command in commands.flat:
+        beyond |= not abs(command) <= largest
+    return beyond == 0
+
+
+@entered
 def drive_teams(
-    first: int, last: int, constants: Array, poses: Array, commands: Array, tally: Tally, steps: int
+    first: int,
+    last: int,
+    constants: Array,
+    poses: Array,
+    commands: Array,
+    counters: tuple[Any, ...],
+    steps: int,
 ) -> None:
     """Let teams drive for some steps, each holding its commands.
 
@@ -116,13 +138,13 @@ def drive_teams(
         Moved in place, m and rad.
     commands : (B, 2, N) array
         Cut in place at the wheels' limits, m/s and rad/s.
-    tally : Tally
-        What is counted.
+    counters : tuple
+        What is in a `Tally`, in which is counted.
     steps : int
         How many steps.
     """
     left, right, cosine, sine, body_x, body_y, least = room_for(poses.shape[2])
-    counts, by_robot, extremes = tally
+    counts, by_robot, extremes = counters
     for team in range(first, last):
         x, y, heading = poses[team, 0], poses[team, 1], poses[team, 2]
         forward, turn = commands[team, 0], commands[team, 1]
