@@ -33,6 +33,10 @@ class Space(NamedTuple):
         How far rows are broken at the target and at the point, m/s.
     binding : (S + 1,) integer array
         The rows that bind.
+    one, other : (S + 1,) integer array
+        Their robots, side by side.
+    along_x, along_y : (S + 1,) array
+        Their coefficients, likewise.
     multiplier, right, side : (S + 1,) array
         Their multipliers, and two right-hand sides.
     factor : (S + 1, S + 1) array
@@ -50,6 +54,10 @@ class Space(NamedTuple):
     excess: FloatArray
     gap: FloatArray
     binding: IntArray
+    one: IntArray
+    other: IntArray
+    along_x: FloatArray
+    along_y: FloatArray
     multiplier: FloatArray
     right: FloatArray
     side: FloatArray
@@ -79,6 +87,10 @@ def space_for(number: int, total: int) -> Space:
         np.zeros(total),
         np.zeros(total),
         np.zeros(most, dtype=np.intp),
+        np.zeros(most, dtype=np.intp),
+        np.zeros(most, dtype=np.intp),
+        np.zeros(most),
+        np.zeros(most),
         np.zeros(most),
         np.zeros(most),
         np.zeros(most),
@@ -102,41 +114,40 @@ def copy(source: FloatArray, target: FloatArray) -> None:
 
 
 @compiled
-def product(
-    first: IntArray, second: IntArray, ax: FloatArray, ay: FloatArray, one: int, other: int
-) -> float:
-    """Return the product of two different rows.
+def products(rows: TeamRows, space: Space, row: int, count: int, out: FloatArray) -> None:
+    """Write the products of a row with those that bind.
 
     Parameters
     ----------
-    first, second, ax, ay : (m,) array
-        All rows, see `TeamRows`.
-    one, other : int
-        Which two.
+    rows : TeamRows
+        All rows.
+    space : Space
+        The rows that bind.
+    row : int
+        Which one; it is none of these.
+    count : int
+        How many bind.
+    out : (S + 1,) array
+        Where the products are written.
     """
-    # Numbers of nobody are told apart, so no branch is needed, which a processor could not foresee.
-    i, j, p, q = first[one], second[one], first[other], second[other]
-    times = int(i == p) + int(j == q) - int(i == q) - int(j == p)
-    whole: float = ax[one] * ax[other] + ay[one] * ay[other]
-    return times * whole
+    one, other, along_x, along_y = space.one, space.other, space.along_x, space.along_y
+    i, j, x, y = rows.first[row], rows.second[row], rows.ax[row], rows.ay[row]
+    for a in range(count):
+        # Numbers of nobody are told apart, so no branch is needed, which a processor could not
+        # foresee.
+        p, q = one[a], other[a]
+        times = int(i == p) + int(j == q) - int(i == q) - int(j == p)
+        out[a] = times * (x * along_x[a] + y * along_y[a])
 
 
 @compiled
-def subtract(
-    first: IntArray,
-    second: IntArray,
-    ax: FloatArray,
-    ay: FloatArray,
-    row: int,
-    times: float,
-    velocity: FloatArray,
-) -> None:
+def subtract(rows: TeamRows, row: int, times: float, velocity: FloatArray) -> None:
     """Subtract a row from velocities so many times.
 
     Parameters
     ----------
-    first, second, ax, ay : (m,) array
-        All rows, see `TeamRows`.
+    rows : TeamRows
+        All rows.
     row : int
         Which one.
     times : float
@@ -144,7 +155,8 @@ def subtract(
     velocity : (2, N) array
         From what, in place.
     """
-    x, y, i, j = times * ax[row], times * ay[row], first[row], second[row]
+    x, y = times * rows.ax[row], times * rows.ay[row]
+    i, j = rows.first[row], rows.second[row]
     velocity[0, i] -= x
     velocity[1, i] -= y
     if j < velocity.shape[1]:
@@ -153,34 +165,24 @@ def subtract(
 
 
 @compiled
-def append(
-    first: IntArray,
-    second: IntArray,
-    ax: FloatArray,
-    ay: FloatArray,
-    row: int,
-    count: int,
-    binding: IntArray,
-    factor: FloatArray,
-) -> bool:
+def append(rows: TeamRows, space: Space, row: int, count: int) -> bool:
     """Add a row to the binding ones, unless it depends on them; return whether it was added.
 
     Parameters
     ----------
-    first, second, ax, ay : (m,) array
-        All rows, see `TeamRows`.
+    rows : TeamRows
+        All rows.
+    space : Space
+        The rows that bind, and their factor, which grows by a line.
     row : int
         Which one.
     count : int
         How many bind already.
-    binding : (S + 1,) integer array
-        Those rows.
-    factor : (S + 1, S + 1) array
-        Their factor, which grows by a line.
     """
-    left = 1.0  # all rows are of unit length
+    factor, line, left = space.factor, space.right, 1.0  # all rows are of unit length
+    products(rows, space, row, count, line)
     for a in range(count):
-        value = product(first, second, ax, ay, row, binding[a])
+        value = line[a]
         for b in range(a):
             value -= factor[count, b] * factor[a, b]
         value *= factor[a, a]  # the diagonal holds inverses
@@ -189,25 +191,28 @@ def append(
     if not left > DEPENDENT:
         return False
     factor[count, count] = 1.0 / math.sqrt(left)
-    binding[count] = row
+    space.binding[count] = row
+    space.one[count], space.other[count] = rows.first[row], rows.second[row]
+    space.along_x[count], space.along_y[count] = rows.ax[row], rows.ay[row]
     return True
 
 
 @compiled
-def solve(count: int, factor: FloatArray, right: FloatArray, out: FloatArray) -> None:
+def solve(space: Space, count: int, right: FloatArray, out: FloatArray) -> None:
     """Solve ``A Aᵀ λ = r``.
 
     Parameters
     ----------
+    space : Space
+        The factor of ``A Aᵀ``.
     count : int
         Number of binding rows, k.
-    factor : (S + 1, S + 1) array
-        The factor of ``A Aᵀ``.
     right : (S + 1,) array
         Right-hand side r.
     out : (S + 1,) array
         Where λ is written.
     """
+    factor = space.factor
     for a in range(count):
         value = right[a]
         for b in range(a):
@@ -233,12 +238,10 @@ def project_on(rows: TeamRows, space: Space, count: int) -> None:
     count : int
         Number of binding rows.
     """
-    first, second, ax, ay, _ = rows
-    target, point, excess, binding = space.target, space.point, space.excess, space.binding
-    right, multiplier, factor = space.right, space.multiplier, space.factor
+    excess, binding, right, multiplier = space.excess, space.binding, space.right, space.multiplier
     for a in range(count):
         right[a] = excess[binding[a]]
-    solve(count, factor, right, multiplier)
-    copy(target, point)
+    solve(space, count, right, multiplier)
+    copy(space.target, space.point)
     for a in range(count):
-        subtract(first, second, ax, ay, binding[a], multiplier[a], point)
+        subtract(rows, binding[a], multiplier[a], space.point)

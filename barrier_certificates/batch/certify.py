@@ -99,6 +99,7 @@ def certify_teams(
     space = space_for(desired.shape[2], rows.bound.shape[0])
     barrier, left = np.zeros(2), 0
     for team in range(first, last):
+        face(drive, states[team], space)
         certify_team(
             recipe, drive, rows, space, barrier, desired[team], states[team], team, answers
         )
@@ -122,6 +123,23 @@ def rows_in(pattern: TeamRows) -> TeamRows:
 
 
 @compiled
+def face(drive: DriveModel, states: FloatArray, space: Space) -> None:
+    """Write cosines and sines of a team's headings, where it has any.
+
+    Parameters
+    ----------
+    drive : DriveModel
+        How robots follow.
+    states : (2, N) or (3, N) array
+        Positions, or poses.
+    space : Space
+        Where they are written.
+    """
+    if drive.distance > 0.0:
+        cosines_and_sines(states[2], space.heading[0], space.heading[1])
+
+
+@compiled
 def certify_team(
     recipe: Recipe,
     drive: DriveModel,
@@ -138,7 +156,8 @@ def certify_team(
     Parameters
     ----------
     recipe, drive, rows, space
-        What rows are made from, how robots follow, and room for rows and search.
+        What rows are made from, how robots follow, and room for rows and search, in which headings
+        stand already, see `face`.
     barrier : (2,) array
         Room for the nearest barrier.
     desired : (2, N) array
@@ -187,7 +206,7 @@ def _is_plain(numbers: FloatArray) -> bool:
 
 @compiled
 def _place(drive: DriveModel, states: FloatArray, desired: FloatArray, space: Space) -> None:
-    """Write positions, headings and the target of the points that are certified."""
+    """Write positions and the target of the points that are certified."""
     number, distance = desired.shape[1], drive.distance
     position, target, cosine, sine = (
         space.position,
@@ -199,7 +218,6 @@ def _place(drive: DriveModel, states: FloatArray, desired: FloatArray, space: Sp
         position[0, k], position[1, k] = states[0, k], states[1, k]
         target[0, k], target[1, k] = desired[0, k], desired[1, k]
     if distance > 0.0:
-        cosines_and_sines(states[2], cosine, sine)
         for k in range(number):
             position[0, k] += distance * cosine[k]
             position[1, k] += distance * sine[k]

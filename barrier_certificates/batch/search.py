@@ -17,7 +17,7 @@ from barrier_certificates.batch.active_rows import (
     Space,
     append,
     copy,
-    product,
+    products,
     project_on,
     solve,
     subtract,
@@ -52,15 +52,14 @@ def guess(rows: TeamRows, space: Space, warm: int, worst: float) -> int:
     worst : float
         The largest excess, m/s.
     """
-    first, second, ax, ay, _ = rows
-    binding, factor, gap, multiplier = space.binding, space.factor, space.gap, space.multiplier
+    binding, gap, multiplier = space.binding, space.gap, space.multiplier
     size, count = 2 * space.target.shape[1], warm
     for _ in range(_GUESSES):
         if count == 0:
             count = _worst_of_each_robot(rows, space)
         kept = 0
         for a in range(count):
-            if append(first, second, ax, ay, binding[a], kept, binding, factor):
+            if append(rows, space, binding[a], kept):
                 kept += 1
         count = kept
         project_on(rows, space, count)
@@ -161,18 +160,16 @@ def _most_broken(space: Space) -> int:
 @compiled
 def _take_up(rows: TeamRows, space: Space, row: int, count: int, multiplier: FloatArray) -> int:
     """Move until a broken row holds, dropping rows that would begin to pull on the way."""
-    first, second, ax, ay, _ = rows
-    binding, factor, right, along = space.binding, space.factor, space.right, space.multiplier
+    binding, right, along = space.binding, space.right, space.multiplier
     step, point, broken, pushed = space.step, space.point, space.gap[row], 0.0
     while True:
-        for a in range(count):
-            right[a] = product(first, second, ax, ay, row, binding[a])
-        solve(count, factor, right, along)
+        products(rows, space, row, count, right)
+        solve(space, count, right, along)
         for robot in range(step.shape[1]):
             step[0, robot] = step[1, robot] = 0.0
-        subtract(first, second, ax, ay, row, 1.0, step)
+        subtract(rows, row, 1.0, step)
         for a in range(count):
-            subtract(first, second, ax, ay, binding[a], -along[a], step)
+            subtract(rows, binding[a], -along[a], step)
         length = 0.0
         for robot in range(step.shape[1]):
             length += step[0, robot] * step[0, robot] + step[1, robot] * step[1, robot]
@@ -193,14 +190,14 @@ def _take_up(rows: TeamRows, space: Space, row: int, count: int, multiplier: Flo
                 point[1, robot] += way * step[1, robot]
             broken -= way * length
         if whole <= part:
-            if not append(first, second, ax, ay, row, count, binding, factor):
+            if not append(rows, space, row, count):
                 return NOT_FOUND
             multiplier[count] = pushed
             return count + 1
         kept = dropped
         for a in range(dropped + 1, count):
             multiplier[kept] = multiplier[a]
-            if not append(first, second, ax, ay, binding[a], kept, binding, factor):
+            if not append(rows, space, binding[a], kept):
                 return NOT_FOUND
             kept += 1
         count = kept

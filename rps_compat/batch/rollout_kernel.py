@@ -14,10 +14,10 @@ from barrier_certificates.batch.certify import (
     Answers,
     DriveModel,
     certify_team,
+    face,
     rows_in,
 )
 from barrier_certificates.batch.compiling import compiled, entered
-from barrier_certificates.batch.headings import cosines_and_sines
 from barrier_certificates.batch.layout import Recipe, TeamRows
 from rps_compat.arena_guests import Array
 from rps_compat.batch.step_kernel import (
@@ -123,7 +123,8 @@ def roll_teams(
     answers, wish, number, waiting = Answers(*written), Wish(*wished), poses.shape[2], 0
     space, barrier = space_for(number, rows.bound.shape[0]), np.zeros(2)
     desired = np.zeros((2, number))
-    left, right, cosine, sine, body_x, body_y, least = room_for(number)
+    cosine, sine = space.heading[0], space.heading[1]
+    left, right, _, _, body_x, body_y, least = room_for(number)
     counts, by_robot, extremes = counters
     velocity, status, numbers = answers.velocity, answers.status, answers.numbers
     done, statuses, worst = progress
@@ -133,6 +134,7 @@ def roll_teams(
         x, y, heading, forward, turn = pose[0], pose[1], pose[2], answer[0], answer[1]
         start_team(least)
         while done[team] < steps:
+            face(drive, pose, space)
             wanted(wish.gain, wish.speed, drive.distance, target, pose, cosine, sine, desired)
             certify_team(recipe, drive, rows, space, barrier, desired, pose, team, answers)
             if status[team] == UNANSWERED:
@@ -146,7 +148,6 @@ def roll_teams(
             worst[CLEARANCE, team] = min(worst[CLEARANCE, team], numbers[2, team])
             if admit(constants, forward, turn, left, right):
                 cut(constants, left, right, counts, extremes, team)
-            cosines_and_sines(heading, cosine, sine)
             body(constants, x, y, cosine, sine, body_x, body_y)
             if is_outside(constants, x, y):
                 count_outside(constants, x, y, counts, by_robot, team)
@@ -182,12 +183,10 @@ def wanted(
     pose : (3, N) array
         Poses, m and rad.
     cosine, sine : (N,) array
-        Room for work.
+        Of the headings.
     desired : (2, N) array
         Where the commands are written, m/s and rad/s.
     """
-    if gain > 0.0:
-        cosines_and_sines(pose[2], cosine, sine)
     for k in range(pose.shape[1]):
         x, y = target[0, k], target[1, k]
         if gain > 0.0:
