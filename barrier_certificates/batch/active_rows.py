@@ -29,8 +29,8 @@ class Space(NamedTuple):
         What is to be projected, the answer, a direction, and where the team is.
     least : (N,) array
         Room for work of loops over robots.
-    excess, gap : (m,) array
-        How far rows are broken at the target and at the point, m/s.
+    gap : (m,) array
+        How far rows are broken, at the point or at the target, m/s.
     binding : (S + 1,) integer array
         The rows that bind.
     one, other : (S + 1,) integer array
@@ -51,7 +51,6 @@ class Space(NamedTuple):
     heading: FloatArray
     position: FloatArray
     least: FloatArray
-    excess: FloatArray
     gap: FloatArray
     binding: IntArray
     one: IntArray
@@ -84,7 +83,6 @@ def space_for(number: int, total: int) -> Space:
         np.zeros((2, number)),
         np.zeros((2, number)),
         np.zeros(number),
-        np.zeros(total),
         np.zeros(total),
         np.zeros(most, dtype=np.intp),
         np.zeros(most, dtype=np.intp),
@@ -138,6 +136,28 @@ def products(rows: TeamRows, space: Space, row: int, count: int, out: FloatArray
         p, q = one[a], other[a]
         times = int(i == p) + int(j == q) - int(i == q) - int(j == p)
         out[a] = times * (x * along_x[a] + y * along_y[a])
+
+
+@compiled
+def broken_by(rows: TeamRows, row: int, velocity: FloatArray) -> float:
+    """Return how far velocities break a row, m/s; negative where it holds.
+
+    Parameters
+    ----------
+    rows : TeamRows
+        All rows.
+    row : int
+        Which one.
+    velocity : (2, N) array
+        Velocities, m/s.
+    """
+    i, j = rows.first[row], rows.second[row]
+    x, y = velocity[0, i], velocity[1, i]
+    if j < velocity.shape[1]:
+        x -= velocity[0, j]
+        y -= velocity[1, j]
+    excess: float = rows.ax[row] * x + rows.ay[row] * y - rows.bound[row]
+    return excess
 
 
 @compiled
@@ -234,13 +254,13 @@ def project_on(rows: TeamRows, space: Space, count: int) -> None:
     rows : TeamRows
         All rows.
     space : Space
-        Target, excess at it, binding rows and factor; point and multipliers are written.
+        Target, binding rows and factor; point and multipliers are written.
     count : int
         Number of binding rows.
     """
-    excess, binding, right, multiplier = space.excess, space.binding, space.right, space.multiplier
+    binding, right, multiplier = space.binding, space.right, space.multiplier
     for a in range(count):
-        right[a] = excess[binding[a]]
+        right[a] = broken_by(rows, binding[a], space.target)
     solve(space, count, right, multiplier)
     copy(space.target, space.point)
     for a in range(count):

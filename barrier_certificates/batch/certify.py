@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from barrier_certificates.array_types import FloatArray, IntArray
-from barrier_certificates.batch.active_rows import Space, copy, space_for
+from barrier_certificates.batch.active_rows import Space, broken_by, copy, space_for
 from barrier_certificates.batch.compiling import compiled, entered, makes_arrays
 from barrier_certificates.batch.headings import cosines_and_sines
 from barrier_certificates.batch.layout import Recipe, TeamRows
@@ -175,16 +175,19 @@ def certify_team(
         _place(drive, states, desired, space)
         alone = write_rows(recipe, rows, space.position, space.heading, space.least, barrier)
         if not alone:
-            worst = write_excess(rows, space.target, space.least, space.excess)
             answers.numbers[2, team], answers.numbers[3, team] = barrier[1], barrier[0]
+            worst = -math.inf
+            for a in range(count):
+                space.binding[a] = answers.binding[team, a]
+                worst = max(worst, broken_by(rows, space.binding[a], space.target))
+            if worst <= TOLERANCE:  # else it is known already that something has to be done
+                worst = write_excess(rows, space.target, space.least, space.gap)
             if worst <= TOLERANCE:
                 status = TRIVIAL
                 answers.numbers[0, team] = max(worst, 0.0)
                 answers.numbers[1, team] = 0.0
                 copy(desired, answers.velocity[team])
             elif worst <= _FAST:
-                for a in range(count):
-                    space.binding[a] = answers.binding[team, a]
                 count = guess(rows, space, count, worst)
                 if count == NOT_FOUND:
                     count = climb(rows, space, worst)

@@ -45,12 +45,11 @@ def guess(rows: TeamRows, space: Space, warm: int, worst: float) -> int:
     rows : TeamRows
         All rows.
     space : Space
-        Target, excess at it, and the rows that bound last time; point, gap and binding rows are
-        written.
+        Target, and the rows that bound last time; point, gap and binding rows are written.
     warm : int
         How many bound last time.
     worst : float
-        The largest excess, m/s.
+        How far the target breaks a row, the largest known, m/s.
     """
     binding, gap, multiplier = space.binding, space.gap, space.multiplier
     size, count = 2 * space.target.shape[1], warm
@@ -86,8 +85,9 @@ def guess(rows: TeamRows, space: Space, warm: int, worst: float) -> int:
 @compiled
 def _worst_of_each_robot(rows: TeamRows, space: Space) -> int:
     """Bind the row that each robot's command breaks most; return how many."""
-    first, least, binding, excess = rows.first, space.least, space.binding, space.excess
+    first, least, binding, excess = rows.first, space.least, space.binding, space.gap
     number, count = space.target.shape[1], 0
+    write_excess(rows, space.target, least, excess)
     for robot in range(number):
         least[robot] = TOLERANCE
         binding[robot] = NOT_FOUND
@@ -124,9 +124,9 @@ def climb(rows: TeamRows, space: Space, worst: float) -> int:
     rows : TeamRows
         All rows.
     space : Space
-        Target and excess at it; point, gap and binding rows are written.
+        Target; point, gap and binding rows are written.
     worst : float
-        The largest excess, m/s.
+        How far the target breaks a row, the largest known, m/s.
     """
     size, count = 2 * space.target.shape[1], 0
     copy(space.target, space.point)
