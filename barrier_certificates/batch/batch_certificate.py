@@ -81,6 +81,7 @@ class BatchCertificate:
         self._drive = DriveModel(distance, step, isinstance(certificate, UnicycleCertificate))
         self._recipe = recipe_of(*self._alone.row_families(), cautious=self._late is not None)
         self._teams = (0, 0)
+        self._lay_out()
         self.reset()
 
     def reset(self) -> None:
@@ -89,7 +90,9 @@ class BatchCertificate:
         self._prediction = None
         if self._late is not None:
             self._prediction = StopPrediction(self._late.robots, self._late.time_step)
-        self._lay_out(*self._teams)
+        self._answers.bound.fill(0)
+        self._fresh: BoolArray = np.ones(self._teams[0], dtype=bool)
+        self._all_met = False
 
     def __call__(
         self, desired: Any, states: Any, obstacles: Sequence[Obstacle] | None = None
@@ -257,13 +260,14 @@ class BatchCertificate:
         """Begin anew where there are other teams than before."""
         if (teams, robots) != self._teams:
             self._teams = (teams, robots)
+            self._lay_out()
             self.reset()
 
-    def _lay_out(self, teams: int, robots: int) -> None:
+    def _lay_out(self) -> None:
+        """Make room for the rows and the answers of all teams."""
+        teams, robots = self._teams
         most = 2 * robots + 1
         self._pattern = rows_of(self._recipe, robots)
-        self._fresh: BoolArray = np.ones(teams, dtype=bool)
-        self._all_met = False
         self._answers = Answers(
             np.zeros((teams, 2, robots)),
             np.zeros(teams, dtype=np.intp),
@@ -330,9 +334,7 @@ class BatchCertificate:
         self._recipe = self._recipe._replace(obstacles=np.ascontiguousarray(table))
         if table.shape[1] != before:
             self._alone = replace(self.certificate)
-            fresh, all_met = self._fresh, self._all_met
-            self._lay_out(*self._teams)
-            self._fresh, self._all_met = fresh, all_met
+            self._lay_out()
         return self._recipe
 
 
