@@ -3,7 +3,8 @@
 Started by `batch_speed.py` with the Python of an environment that has jax and jaxopt, and the
 folder of the simulator (``rps_jax`` of shalin-jain/robotarium_python_simulator). A line is
 ``kind mode teams steps times``; the answer is ``seconds clearance``: CPU seconds of so many equal
-rollouts that are compiled already, and the least distance of two projection points less the radius at its end, m.
+rollouts that are compiled already, and the least distance of two projection points less the radius
+at their end, m.
 """
 
 from __future__ import annotations

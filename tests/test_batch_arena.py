@@ -6,7 +6,7 @@ import pytest
 from barrier_certificates.batch import BatchCertificate, numba_is_installed
 from barrier_certificates.unicycle import UnicycleCertificate
 from rps_compat.arena import Arena
-from rps_compat.batch import BatchArena, Hold, ToGoals, rollout
+from rps_compat.batch import BatchArena, Hold, Rollout, ToGoals, rollout
 from rps_compat.errors import CommandError, InitialConditionsError
 from rps_compat.profiles import NAMES, load_profile
 
@@ -94,6 +94,25 @@ def test_a_compiled_rollout_is_the_steps_one_by_one() -> None:
         np.testing.assert_allclose(*apart, atol=1e-9)
         assert 0 < one.handed_over < 75
         assert arenas[0].steps == arenas[1].steps == 25
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_rollout_goes_on_where_it_stood_and_tells_of_all_its_steps(engine: str) -> None:
+    certificate = UnicycleCertificate(0.2, 2000.0, speed_limit=0.15, time_step=0.033)
+    poses = starts()[2:]  # in one team two overlap
+    wish = ToGoals(-poses[:, :2])
+    whole, arena = BatchArena(poses, engine=engine), BatchArena(poses, engine=engine)
+    expected = rollout(whole, BatchCertificate(certificate, engine=engine), wish, 12)
+    way = Rollout(arena, BatchCertificate(certificate, engine=engine), wish)
+    for steps in (1, 1, 10):
+        before = way.outcome
+        way.run(steps)
+        assert before.statuses.sum() + steps * len(poses) == way.outcome.statuses.sum()
+    np.testing.assert_array_equal(arena.poses, whole.poses)
+    for name in ("statuses", "violation", "intervention", "clearance", "handed_over"):
+        np.testing.assert_array_equal(getattr(way.outcome, name), getattr(expected, name))
+    with pytest.raises(CommandError, match=r"wish is of shape \(3, 2, 5\); expected \(2, 2, 5\)"):
+        Rollout(arena, BatchCertificate(certificate), ToGoals(np.zeros((3, 2, 5))))
 
 
 def test_parts_side_by_side_are_the_whole() -> None:

@@ -45,6 +45,20 @@ def test_every_team_gets_the_answer_that_it_gets_alone(kind: str, engine: str) -
     assert_as_alone(NINE, *states(kind, teams), engine, steps=3)
 
 
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_batch_tells_of_an_unsafe_start_once_and_again_after_a_reset(engine: str) -> None:
+    desired, poses = states("packed", 3)
+    poses[1, :2, 0] = poses[1, :2, 1] + 0.01  # two overlap
+    batch = BatchCertificate(NINE, engine=engine)
+    first, told = batch(desired, poses)
+    np.testing.assert_array_equal(told.unsafe_start, [False, True, False])
+    assert not batch(desired, poses)[1].unsafe_start.any()
+    batch.reset()
+    again, told = batch(desired, poses)
+    np.testing.assert_array_equal(told.unsafe_start, [False, True, False])
+    np.testing.assert_array_equal(again, first)  # nothing is left of the steps before
+
+
 @pytest.mark.slow
 @compiled_only
 def test_obstacles_disturbances_and_polygons_count_as_alone() -> None:
@@ -87,7 +101,16 @@ def test_teams_of_points_and_projected_velocities_are_those_alone() -> None:
 def test_without_a_guess_the_climb_finds_the_same_point(monkeypatch: pytest.MonkeyPatch) -> None:
     from barrier_certificates.batch import active_rows, layout, search, write_rows
 
-    plain = ("write_excess", "append", "copy", "products", "broken_by", "project_on", "solve", "subtract")
+    plain = (
+        "write_excess",
+        "append",
+        "copy",
+        "products",
+        "broken_by",
+        "project_on",
+        "solve",
+        "subtract",
+    )
     for module in (search, active_rows, write_rows):
         for name in (*plain, "guess", "climb", "_most_broken", "_proves", "_take_up"):
             kernel = getattr(module, name, None)

@@ -13,7 +13,8 @@ from rps_compat.arena_guests import Array
 from rps_compat.batch.batch_effects import BatchRealism, begin, move
 from rps_compat.batch.batch_violations import BatchViolations, empty_tally
 from rps_compat.batch.step_arrays import judged
-from rps_compat.batch.step_kernel import are_within, constants_of, drive_teams
+from rps_compat.batch.step_constants import constants_of
+from rps_compat.batch.step_kernel import are_within, drive_teams
 from rps_compat.errors import CommandError, InitialConditionsError
 from rps_compat.realism import Profile
 from rps_compat.testbed import GRITSBOT_X, RobotModel

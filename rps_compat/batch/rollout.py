@@ -133,8 +133,9 @@ class RolloutOutcome:
 class Rollout:
     """Teams on their way under a certificate, with what a step takes made ready once.
 
-    A call of `rollout` does many steps; who looks at the teams between steps keeps one of these, and
-    pays for a step of one team a twentieth of what controller, certificate and arena cost in turn.
+    A call of `rollout` does many steps; who looks at the teams between steps keeps one of these,
+    and pays for a step of one team a quarter of what controller, certificate and arena cost in
+    turn.
 
     Parameters
     ----------
@@ -192,7 +193,10 @@ class Rollout:
     def outcome(self) -> RolloutOutcome:
         """What became of each team so far; the arrays are copies."""
         _, statuses, extremes = self._progress
-        return RolloutOutcome(statuses.copy(), *extremes.copy(), self._handed_over)
+        violation, intervention, clearance = extremes.copy()
+        return RolloutOutcome(
+            statuses.copy(), violation, intervention, clearance, self._handed_over
+        )
 
     def run(self, steps: int = 1) -> None:
         """Go on.

@@ -20,19 +20,16 @@ from barrier_certificates.batch.certify import (
 from barrier_certificates.batch.compiling import compiled, entered
 from barrier_certificates.batch.layout import Recipe, TeamRows
 from rps_compat.arena_guests import Array
-from rps_compat.batch.step_kernel import (
-    admit,
-    body,
+from rps_compat.batch.count_kernel import (
     count_close,
     count_outside,
     cut,
     finish_team,
     is_close,
     is_outside,
-    move,
-    room_for,
     start_team,
 )
+from rps_compat.batch.step_kernel import admit, body, move, room_for
 
 VIOLATION, INTERVENTION, CLEARANCE = range(3)
 
@@ -97,7 +94,7 @@ def roll_teams(
     which : (k,) integer array
         The teams asked for.
     constants : (12,) array
-        See `step_kernel.constants_of`.
+        See `step_constants.constants_of`.
     wished : tuple
         What is in a `Wish`: what robots would do.
     program, drives, pattern : tuple
