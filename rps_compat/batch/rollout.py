@@ -161,7 +161,7 @@ class Rollout:
     >>> while way.outcome.clearance.min() > 0.5:
     ...     way.run()
     >>> teams.steps
-    32
+    22
     """
 
     def __init__(
