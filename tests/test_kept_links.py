@@ -30,6 +30,12 @@ def test_robots_at_one_point_are_linked_too():
     assert_array_equal(links, [[0, 0, 0], [1, 2, 3]])
 
 
+def test_robots_at_the_very_range_are_linked_whatever_the_last_bit_of_their_distance():
+    points = np.array([[0.0, 0.1 + 0.2, 0.15], [0.0, 0.0, 0.1]])
+    assert points[0, 1] > 0.3
+    assert_array_equal(KeptLinks(Connectivity(0.3, "all")).keep(points), [[0, 0, 1], [1, 2, 2]])
+
+
 def test_all_links_are_those_of_the_first_call():
     kept = KeptLinks(Connectivity(0.45, "all"))
     apart = np.array([[0.0, 0.4, 0.2, 0.9], [0.0, 0.0, 0.1, 0.0]])
@@ -70,6 +76,12 @@ def connected(connectivity, **more):
     return SingleIntegratorCertificate(connectivity=connectivity, **more)
 
 
+def test_a_step_may_be_as_long_as_turns_rows_by_thirty_degrees():
+    certificate = connected(Connectivity(0.8, time_step=1.0), speed_limit=0.2)
+    velocity, _ = certificate([[-1.0, 1.0], [0.5, 0.0]], [[-0.35, 0.35], [0.0, 0.0]])
+    assert np.hypot(*(velocity @ [-1.0, 1.0] + [0.7, 0.0])) <= 0.8
+
+
 @pytest.mark.parametrize(
     ("make", "says"),
     [
@@ -79,11 +91,12 @@ def connected(connectivity, **more):
         (lambda: Connectivity(0.4, time_step=-0.1), "time_step is -0.1"),
         (lambda: Connectivity(0.4, "star"), "links are 'star'; expected one of tree, all"),
         (lambda: Connectivity(0.4, [(0, 0)]), "two different robots"),
+        (lambda: Connectivity(0.4, [(-1, 2)]), "links are"),
         (lambda: Connectivity(0.4, [(0, 1), (1,)]), "links are"),
         (lambda: Connectivity(0.4, [(0.5, 1)]), "links are"),
         (lambda: Connectivity(0.4, []), "links are"),
         (lambda: connected(0.4), "connectivity is 0.4"),
-        (lambda: connected(Connectivity(0.1)), "more than the 0.15 m"),
+        (lambda: connected(Connectivity(0.15)), "more than the 0.15 m"),
         (lambda: connected(Connectivity(0.4, time_step=1.0)), "expected at least 0.8 m"),
         (lambda: connected(Connectivity(0.4, time_step=0.033), speed_limit=None), "a speed limit"),
         (

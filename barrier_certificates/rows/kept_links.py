@@ -11,6 +11,11 @@ So links of the last tree count as shorter by a part (*hysteresis*), as long as 
 A team that is not connected has no such tree. Then the links between its parts are those of the
 shortest tree of all, beyond range as they are: by Kruskal's algorithm it takes links within range
 first, so that what is connected stays so.
+
+The other way, a barrier on the second eigenvalue of the graph's Laplacian (Capelli and Sabattini,
+Connectivity maintenance: global and optimized approach through control barrier functions, IEEE
+International Conference on Robotics and Automation (2020)), is a row only where that eigenvalue is
+simple, which in regular formations it is not.
 """
 
 from __future__ import annotations
@@ -112,7 +117,7 @@ class Connectivity:
         step = time_step if self.time_step is None else self.time_step
         speed = top_speed + (0.0 if disturbance is None else disturbance.top_speed())
         barrier = LinkBarrier(self.communication_range, self.gain, step, 2.0 * speed, disturbance)
-        if barrier.sine > _LARGEST_SINE:
+        if ties.beyond(barrier.sine, _LARGEST_SINE):
             raise ParameterError(
                 f"communication_range is {self.communication_range:g} m; expected at least"
                 f" {2.0 * speed * step / _LARGEST_SINE:.3g} m for robots that drive at up to"

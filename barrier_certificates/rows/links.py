@@ -21,6 +21,12 @@ At most half of what is left is given away in a step, whatever the gain is; and 
 robots that stand still keep every link. Of a link that is lost already (ρ > R) the row asks that it
 gets no longer, b = 0, which holds in steps by the same argument with ρ in the place of R. It does
 not pull: where the way back leads is for who commands.
+
+References
+----------
+Wang, Ames and Egerstedt, Multi-objective compositions for collision-free connectivity maintenance
+in teams of mobile robots, IEEE Conference on Decision and Control (2016): barriers of edges, in
+continuous time. The rows in steps are ours.
 """
 
 from __future__ import annotations
@@ -130,11 +136,12 @@ class LinkRows(RowFamily):
         The link of which least was left when rows were written last.
     """
 
+    weakest: Barrier
+
     def __init__(self, links: IntArray, barrier: LinkBarrier, weight: float = 1e4) -> None:
         self.links = links
         self.barrier = barrier
         self.weight = weight
-        self.weakest = NOTHING_NEAR
         self._sine = barrier.sine
         self._cosine = math.sqrt(1.0 - self._sine * self._sine)
 
@@ -169,8 +176,9 @@ class LinkRows(RowFamily):
         np.negative(coefficient[:2], out=coefficient[2:])
         disturbance = self.barrier.disturbance
         if disturbance is not None:
-            for robots, normals in zip(self.partners(0), np.split(coefficient, 2), strict=True):
-                bound -= disturbance.worst(scene, robots, normals)
+            first, second = self.partners(0)
+            bound -= disturbance.worst(scene, first, coefficient[:2])
+            bound -= disturbance.worst(scene, second, coefficient[2:])
         return NOTHING_NEAR
 
     def _longest(self, distance: FloatArray) -> Barrier:
