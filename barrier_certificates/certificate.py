@@ -19,7 +19,7 @@ from barrier_certificates.projection import Policy, ProjectionInfo, Projector, S
 from barrier_certificates.projection.decentralised import DecentralisedProjector
 from barrier_certificates.projection.projector import largest_speed
 from barrier_certificates.rows import (
-    Connectivity,
+    ConnectivityParameters,
     LimitRows,
     Margin,
     Obstacle,
@@ -111,7 +111,7 @@ class Certificate(ABC):
         What the motors can do, as rows of your own, instead of the limits that have names.
     solver, on_infeasible, options
         See `barrier_certificates.projection.Projector`.
-    connectivity : Connectivity, optional
+    connectivity : ConnectivityParameters, optional
         Which robots stay within range of each other; None lets a team fall apart.
     decentralised : bool
         Whether each robot has a program of its own, with its share of each pair's row, instead of
@@ -150,7 +150,7 @@ class Certificate(ABC):
     solver: str = "auto"
     on_infeasible: Policy = "relax"
     options: Mapping[str, float] | None = field(default=None, hash=False)
-    connectivity: Connectivity | None = None
+    connectivity: ConnectivityParameters | None = None
     decentralised: bool = False
     shares: Sequence[float] | None = None
     deadlock: DeadlockParameters | None = None

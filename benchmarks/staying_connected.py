@@ -19,7 +19,7 @@ from scipy.sparse.csgraph import connected_components
 
 from barrier_certificates.certificate import Certificate
 from barrier_certificates.projection import ProjectionInfo
-from barrier_certificates.rows import Connectivity
+from barrier_certificates.rows import ConnectivityParameters
 from barrier_certificates.single_integrator import SingleIntegratorCertificate
 from barrier_certificates.unicycle import UnicycleCertificate
 
@@ -28,8 +28,8 @@ POINTS = SingleIntegratorCertificate(0.15, 500.0, boundary=ARENA, speed_limit=0.
 WHEELS = UnicycleCertificate(
     0.2, 500.0, boundary=ARENA, speed_limit=0.2, turn_rate_limit=3.6, time_step=STEP
 )
-LINKS = Connectivity(RANGE, gain=2000.0, time_step=STEP)
-WAYS: dict[str, tuple[Connectivity | None, bool]] = {
+LINKS = ConnectivityParameters(RANGE, gain=2000.0, time_step=STEP)
+WAYS: dict[str, tuple[ConnectivityParameters | None, bool]] = {
     "no links": (None, False),
     "tree": (LINKS, False),
     "tree, no hysteresis": (replace(LINKS, hysteresis=0.0), False),

@@ -10,7 +10,7 @@ from scipy.sparse.csgraph import minimum_spanning_tree
 from barrier_certificates.certificate_errors import ParameterError
 from barrier_certificates.late.late_certificate import LateCertificate
 from barrier_certificates.late.late_robots import LateRobots
-from barrier_certificates.rows import Connectivity
+from barrier_certificates.rows import ConnectivityParameters
 from barrier_certificates.rows.kept_links import KeptLinks, spanning_tree
 from barrier_certificates.single_integrator import SingleIntegratorCertificate
 
@@ -25,7 +25,7 @@ def test_the_shortest_tree_is_the_one_that_scipy_finds(seed, number):
 
 
 def test_robots_at_one_point_are_linked_too():
-    kept = KeptLinks(Connectivity(0.6))
+    kept = KeptLinks(ConnectivityParameters(0.6))
     links = kept.keep(np.array([[0.0, 0.0, 0.0, 0.5], [0.0, 0.0, 0.0, 0.0]]))
     assert_array_equal(links, [[0, 0, 0], [1, 2, 3]])
 
@@ -33,11 +33,12 @@ def test_robots_at_one_point_are_linked_too():
 def test_robots_at_the_very_range_are_linked_whatever_the_last_bit_of_their_distance():
     points = np.array([[0.0, 0.1 + 0.2, 0.15], [0.0, 0.0, 0.1]])
     assert points[0, 1] > 0.3
-    assert_array_equal(KeptLinks(Connectivity(0.3, "all")).keep(points), [[0, 0, 1], [1, 2, 2]])
+    kept = KeptLinks(ConnectivityParameters(0.3, "all"))
+    assert_array_equal(kept.keep(points), [[0, 0, 1], [1, 2, 2]])
 
 
 def test_all_links_are_those_of_the_first_call():
-    kept = KeptLinks(Connectivity(0.45, "all"))
+    kept = KeptLinks(ConnectivityParameters(0.45, "all"))
     apart = np.array([[0.0, 0.4, 0.2, 0.9], [0.0, 0.0, 0.1, 0.0]])
     links = kept.keep(apart)
     assert_array_equal(links, [[0, 0, 1, 1], [1, 2, 2, 3]])  # that to robot 3 is out of range
@@ -55,7 +56,7 @@ def triangle(top):
 @pytest.mark.parametrize(("hysteresis", "top"), [(0.0, 0.346), (0.1, 0.299), (0.5, 0.0)])
 def test_a_tree_is_kept_until_another_is_shorter_by_the_hysteresis(hysteresis, top):
     """Robot 2 comes down; from where its links are short enough, that of the others is dropped."""
-    kept = KeptLinks(Connectivity(0.6, hysteresis=hysteresis))
+    kept = KeptLinks(ConnectivityParameters(0.6, hysteresis=hysteresis))
     first = kept.keep(triangle(0.5))
     assert_array_equal(first, [[0, 0], [1, 2]])  # of equally long links the first is taken
     assert kept.keep(triangle(top + 0.001)) is first
@@ -64,7 +65,7 @@ def test_a_tree_is_kept_until_another_is_shorter_by_the_hysteresis(hysteresis, t
 
 
 def test_the_first_tree_is_kept_for_good_as_long_as_it_is_in_range():
-    kept = KeptLinks(Connectivity(0.6, hysteresis=1.0))
+    kept = KeptLinks(ConnectivityParameters(0.6, hysteresis=1.0))
     assert_array_equal(kept.keep(triangle(0.2)), [[0, 1], [2, 2]])
     assert_array_equal(kept.keep(triangle(0.5)), [[0, 1], [2, 2]])
     moved = triangle(0.5)
@@ -77,7 +78,7 @@ def connected(connectivity, **more):
 
 
 def test_a_step_may_be_as_long_as_turns_rows_by_thirty_degrees():
-    certificate = connected(Connectivity(0.8, time_step=1.0), speed_limit=0.2)
+    certificate = connected(ConnectivityParameters(0.8, time_step=1.0), speed_limit=0.2)
     velocity, _ = certificate([[-1.0, 1.0], [0.5, 0.0]], [[-0.35, 0.35], [0.0, 0.0]])
     assert np.hypot(*(velocity @ [-1.0, 1.0] + [0.7, 0.0])) <= 0.8
 
@@ -85,24 +86,25 @@ def test_a_step_may_be_as_long_as_turns_rows_by_thirty_degrees():
 @pytest.mark.parametrize(
     ("make", "says"),
     [
-        (lambda: Connectivity(0.0), "communication_range is 0.0"),
-        (lambda: Connectivity(0.4, gain=-1.0), "gain is -1.0"),
-        (lambda: Connectivity(0.4, hysteresis=1.5), "hysteresis is 1.5"),
-        (lambda: Connectivity(0.4, time_step=-0.1), "time_step is -0.1"),
-        (lambda: Connectivity(0.4, "star"), "links are 'star'; expected one of tree, all"),
-        (lambda: Connectivity(0.4, [(0, 0)]), "two different robots"),
-        (lambda: Connectivity(0.4, [(-1, 2)]), "links are"),
-        (lambda: Connectivity(0.4, [(0, 1), (1,)]), "links are"),
-        (lambda: Connectivity(0.4, [(0.5, 1)]), "links are"),
-        (lambda: Connectivity(0.4, []), "links are"),
+        (lambda: ConnectivityParameters(0.0), "communication_range is 0.0"),
+        (lambda: ConnectivityParameters(0.4, gain=-1.0), "gain is -1.0"),
+        (lambda: ConnectivityParameters(0.4, hysteresis=1.5), "hysteresis is 1.5"),
+        (lambda: ConnectivityParameters(0.4, hysteresis=-0.5), "hysteresis is -0.5"),
+        (lambda: ConnectivityParameters(0.4, time_step=-0.1), "time_step is -0.1"),
+        (lambda: ConnectivityParameters(0.4, "star"), "links are 'star'; expected one of tree"),
+        (lambda: ConnectivityParameters(0.4, [(0, 0)]), "two different robots"),
+        (lambda: ConnectivityParameters(0.4, [(-1, 2)]), "links are"),
+        (lambda: ConnectivityParameters(0.4, [(0, 1), (1,)]), "links are"),
+        (lambda: ConnectivityParameters(0.4, [(0.5, 1)]), "links are"),
+        (lambda: ConnectivityParameters(0.4, []), "links are"),
         (lambda: connected(0.4), "connectivity is 0.4"),
-        (lambda: connected(Connectivity(0.15)), "more than the 0.15 m"),
-        (lambda: connected(Connectivity(0.4, time_step=1.0)), "expected at least 0.8 m"),
-        (lambda: connected(Connectivity(0.4, time_step=0.033), speed_limit=None), "a speed limit"),
+        (lambda: connected(ConnectivityParameters(0.15)), "more than the 0.15 m"),
+        (lambda: connected(ConnectivityParameters(0.4, time_step=1.0)), "expected at least 0.8 m"),
+        (lambda: connected(ConnectivityParameters(9.0, time_step=1), speed_limit=None), "a speed"),
         (
             lambda: LateCertificate(
                 0.2, 2000.0, speed_limit=0.15, turn_rate_limit=0.55, time_step=0.033,
-                robots=LateRobots(dead_time=(0.19, 0.2)), connectivity=Connectivity(0.6),
+                robots=LateRobots(dead_time=(0.19, 0.2)), connectivity=ConnectivityParameters(0.6),
             ),
             "late robots keeps no links",
         ),

@@ -101,7 +101,8 @@ class ProjectionInfo:
     def active(self) -> tuple[str, ...]:
         """What the binding rows stand for: ``"robots 3 and 7"``, ``"robot 0 and wall +x"``.
 
-        A link is ``"robots 3 and 7 in range"``.
+        A link is ``"robots 3 and 7 in range"``; it has two rows in steps of time, and is named
+        twice where both bind.
         """
         return self._named(self.binding)
 
@@ -128,5 +129,4 @@ class ProjectionInfo:
     def _named(self, rows: IntArray) -> tuple[str, ...]:
         if self.rows is None:
             return ()
-        # What has several rows, such as a link, is named once.
-        return tuple(dict.fromkeys(self.rows.label(int(row)) for row in rows))
+        return tuple(self.rows.label(int(row)) for row in rows)

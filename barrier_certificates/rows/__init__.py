@@ -25,7 +25,7 @@ whoever solves. Nothing here knows a solver.
 """
 
 from barrier_certificates.rows.disturbance import WheelDisturbance
-from barrier_certificates.rows.kept_links import Connectivity
+from barrier_certificates.rows.kept_links import ConnectivityParameters
 from barrier_certificates.rows.limits import LimitRows, VelocityPolygon
 from barrier_certificates.rows.obstacles import Disc, Obstacle, ObstacleRows, Segment
 from barrier_certificates.rows.pairs import PairRows
@@ -36,7 +36,7 @@ from barrier_certificates.rows.walls import WallRows, polygon, rectangle
 
 __all__ = [
     "Barrier",
-    "Connectivity",
+    "ConnectivityParameters",
     "Disc",
     "LimitRows",
     "Margin",

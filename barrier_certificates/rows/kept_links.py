@@ -39,7 +39,7 @@ _LARGEST_SINE = 0.5
 
 
 @dataclass(frozen=True)
-class Connectivity:
+class ConnectivityParameters:
     """How far robots communicate, and which of their links are kept.
 
     Parameters
@@ -67,10 +67,13 @@ class Connectivity:
     Examples
     --------
     >>> from barrier_certificates.single_integrator import SingleIntegratorCertificate
-    >>> connected = SingleIntegratorCertificate(connectivity=Connectivity(0.5, time_step=0.033))
+    >>> parameters = ConnectivityParameters(0.5, time_step=0.033)
+    >>> connected = SingleIntegratorCertificate(connectivity=parameters)
     >>> velocity, info = connected([[-0.2, 0.2], [0.0, 0.0]], [[-0.24, 0.24], [0.0, 0.0]])
-    >>> print(info.status, info.active)
-    optimal ('robots 0 and 1 in range',)
+    >>> print(info.status, set(info.active))
+    optimal {'robots 0 and 1 in range'}
+    >>> print(f"{info.range_left:.2f} m are left of the range")
+    0.02 m are left of the range
     """
 
     communication_range: float
@@ -131,11 +134,11 @@ class KeptLinks:
 
     Parameters
     ----------
-    connectivity : Connectivity
+    connectivity : ConnectivityParameters
         How far robots communicate, and what is asked for.
     """
 
-    def __init__(self, connectivity: Connectivity) -> None:
+    def __init__(self, connectivity: ConnectivityParameters) -> None:
         self._wanted = connectivity
         self._given: IntArray | None = None
         if not isinstance(connectivity.links, str):
@@ -251,7 +254,7 @@ def require_connectivity(connectivity: Any, safety_radius: float) -> None:
 
     Parameters
     ----------
-    connectivity : Connectivity
+    connectivity : ConnectivityParameters
         What was given.
     safety_radius : float
         What is kept between two positions, m.
@@ -261,9 +264,9 @@ def require_connectivity(connectivity: Any, safety_radius: float) -> None:
     ParameterError
         If it is something else, or its range is not larger than the radius.
     """
-    if not isinstance(connectivity, Connectivity):
+    if not isinstance(connectivity, ConnectivityParameters):
         raise ParameterError(
-            f"connectivity is {connectivity!r}; expected Connectivity(communication_range) or None"
+            f"connectivity is {connectivity!r}; expected ConnectivityParameters or None"
         )
     if not connectivity.communication_range > safety_radius:
         raise ParameterError(

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from barrier_certificates.rows.kept_links import Connectivity, KeptLinks
+from barrier_certificates.rows.kept_links import ConnectivityParameters, KeptLinks
 from barrier_certificates.rows.links import LinkBarrier, LinkRows
 from barrier_certificates.rows.pairs import PairRows
 from barrier_certificates.rows.row_book import Margin, RowBook
@@ -21,7 +21,7 @@ class LinkedRowBook(RowBook):
     ----------
     families, pairs, top_speed
         See `barrier_certificates.rows.row_book.RowBook`.
-    connectivity : Connectivity
+    connectivity : ConnectivityParameters
         Which links are kept.
     barrier : LinkBarrier
         What is kept of them.
@@ -32,7 +32,7 @@ class LinkedRowBook(RowBook):
         families: Sequence[RowFamily],
         pairs: PairRows | None,
         top_speed: float,
-        connectivity: Connectivity,
+        connectivity: ConnectivityParameters,
         barrier: LinkBarrier,
     ) -> None:
         super().__init__(families, pairs, top_speed)
