@@ -80,6 +80,6 @@ class StepMemory:
         info.smallest_h, info.clearance, info.nearest_row = nearest
         info.unsafe_start = self.fresh and info.clearance < 0.0
         if isinstance(self.book, LinkedRowBook):
-            _, info.range_left, info.link_row = self.book.weakest_link()
+            info.range_left, info.link_row = self.book.longest_link()
             info.disconnected_start = self.fresh and bool(ties.short_of(info.range_left, 0.0))
         self.fresh = False

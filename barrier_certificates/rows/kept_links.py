@@ -193,7 +193,7 @@ class KeptLinks:
         """
         number = positions.shape[1]
         if self._given is not None:
-            if self._given.max(initial=-1) >= number:
+            if self._given.max() >= number:
                 raise ShapeError(
                     f"links name robot {self._given.max()}, but the team has {number}; expected"
                     f" numbers from 0 to {number - 1}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -10,7 +11,7 @@ from barrier_certificates.rows.kept_links import ConnectivityParameters, KeptLin
 from barrier_certificates.rows.links import LinkBarrier, LinkRows
 from barrier_certificates.rows.pairs import PairRows
 from barrier_certificates.rows.row_book import Margin, RowBook
-from barrier_certificates.rows.row_family import NOTHING_NEAR, Barrier, RowFamily, Scene
+from barrier_certificates.rows.row_family import Barrier, RowFamily, Scene
 from barrier_certificates.rows.row_set import Rows
 
 
@@ -63,13 +64,13 @@ class LinkedRowBook(RowBook):
             self.forget()
         return super().write(scene)
 
-    def weakest_link(self) -> Barrier:
-        """Return the link of which least is left, and its row; of what was written last."""
-        links = self._rows_of_links
+    def longest_link(self) -> tuple[float, int]:
+        """Return what is left of the range at the longest link written last, m, and its row."""
         for family, start, *_ in self._sections:
-            if family is links:
-                return links.weakest._replace(row=start + links.weakest.row)
-        return NOTHING_NEAR
+            if family is self._rows_of_links:
+                left, row = self._rows_of_links.longest
+                return left, start + row
+        return math.inf, -1
 
     def margins(self, scene: Scene, within: float) -> list[Margin]:
         """Return what is near to being unsafe or to being lost, the closest first.

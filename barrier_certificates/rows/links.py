@@ -74,28 +74,6 @@ class LinkBarrier(NamedTuple):
             return 0.0
         return self.parting_speed * self.time_step / self.communication_range
 
-    def left(self, scene: Scene, links: IntArray) -> tuple[FloatArray, FloatArray]:
-        """Return how far links are from breaking.
-
-        Parameters
-        ----------
-        scene : Scene
-            Where the team is.
-        links : (2, m) integer array
-            The two robots of each link.
-
-        Returns
-        -------
-        h : (m,) array
-            Barriers R² − ‖D‖², m².
-        left : (m,) array
-            What is left of the range, R − ‖D‖, m; negative where robots are out of it.
-        """
-        offset = scene.positions[:, links[0]] - scene.positions[:, links[1]]
-        distance = np.hypot(offset[0], offset[1])
-        left: FloatArray = self.communication_range - distance
-        return left * (self.communication_range + distance), left
-
     def room(self, distance: FloatArray) -> FloatArray:
         """Return how fast links may lengthen, b above.
 
@@ -132,22 +110,23 @@ class LinkRows(RowFamily):
 
     Attributes
     ----------
-    weakest : Barrier
-        The link of which least was left when rows were written last.
+    longest : (float, int)
+        What was left of the range at the longest link when rows were written last, m, and its row.
     """
 
-    weakest: Barrier
+    longest: tuple[float, int]
 
     def __init__(self, links: IntArray, barrier: LinkBarrier, weight: float = 1e4) -> None:
         self.links = links
         self.barrier = barrier
         self.weight = weight
-        self._sine = barrier.sine
-        self._cosine = math.sqrt(1.0 - self._sine * self._sine)
+        sine = barrier.sine
+        self._cosine = math.sqrt(1.0 - sine * sine)
+        self._sines = (sine, -sine) if sine else (0.0,)
 
     def partners(self, number: int) -> IntArray:
         """Return which robots each row joins: link by link, in steps of time twice."""
-        return np.tile(self.links, 2) if self._sine else self.links
+        return np.tile(self.links, len(self._sines))
 
     def prepare(self, number: int, coefficient: FloatArray, bound: FloatArray) -> None:
         """Write nothing: all of it changes with the positions."""
@@ -158,7 +137,8 @@ class LinkRows(RowFamily):
         offset = scene.positions.take(first, axis=1)
         offset -= scene.positions.take(second, axis=1)
         distance = np.hypot(offset[0], offset[1])
-        self.weakest = self._longest(distance)
+        longest = int(distance.argmax())
+        self.longest = self.barrier.communication_range - float(distance[longest]), longest
         # Of robots at one point the direction says nothing, and their row asks nothing.
         distance = np.maximum(distance, COINCIDENT)
         # Two unit vectors make a row of norm √2.
@@ -166,13 +146,11 @@ class LinkRows(RowFamily):
         room = self.barrier.room(distance)
         room *= self._cosine / _SQRT2
         number = first.shape[0]
-        for start, sine in ((0, self._sine), (number, -self._sine)):
-            rows = slice(start, start + number)
+        for turn, sine in enumerate(self._sines):
+            rows = slice(turn * number, (turn + 1) * number)
             bound[rows] = room
             coefficient[0, rows] = self._cosine * x - sine * y
             coefficient[1, rows] = self._cosine * y + sine * x
-            if not sine:  # both are one
-                break
         np.negative(coefficient[:2], out=coefficient[2:])
         disturbance = self.barrier.disturbance
         if disturbance is not None:
@@ -181,15 +159,12 @@ class LinkRows(RowFamily):
             bound -= disturbance.worst(scene, second, coefficient[2:])
         return NOTHING_NEAR
 
-    def _longest(self, distance: FloatArray) -> Barrier:
-        """Return the barrier of the longest link."""
-        reach, row = self.barrier.communication_range, int(distance.argmax())
-        longest = float(distance[row])
-        return Barrier((reach - longest) * (reach + longest), reach - longest, row)
-
     def measure(self, scene: Scene) -> tuple[FloatArray, FloatArray]:
         """Return barrier, and what is left of the range in metres, once for each link."""
-        return self.barrier.left(scene, self.links)
+        offset = scene.positions[:, self.links[0]] - scene.positions[:, self.links[1]]
+        distance = np.hypot(offset[0], offset[1])
+        left: FloatArray = self.barrier.communication_range - distance
+        return left * (self.barrier.communication_range + distance), left
 
     def label(self, number: int, row: int) -> str:
         """Say which two robots."""
