@@ -87,7 +87,16 @@ def test_teams_of_points_and_projected_velocities_are_those_alone() -> None:
 def test_without_a_guess_the_climb_finds_the_same_point(monkeypatch: pytest.MonkeyPatch) -> None:
     from barrier_certificates.batch import active_rows, layout, search, write_rows
 
-    plain = ("write_excess", "append", "copy", "products", "broken_by", "project_on", "solve", "subtract")
+    plain = (
+        "write_excess",
+        "append",
+        "copy",
+        "products",
+        "broken_by",
+        "project_on",
+        "solve",
+        "subtract",
+    )
     for module in (search, active_rows, write_rows):
         for name in (*plain, "guess", "climb", "_most_broken", "_proves", "_take_up"):
             kernel = getattr(module, name, None)

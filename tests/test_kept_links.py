@@ -37,6 +37,11 @@ def test_robots_at_the_very_range_are_linked_whatever_the_last_bit_of_their_dist
     assert_array_equal(kept.keep(points), [[0, 0, 1], [1, 2, 2]])
 
 
+def test_links_are_in_order_from_whatever_robot_the_tree_grew():
+    along = np.array([[0.0, 0.3, 0.2, 0.1], [0.0, 0.0, 0.0, 0.0]])
+    assert_array_equal(KeptLinks(ConnectivityParameters(0.15)).keep(along), [[0, 1, 2], [3, 2, 3]])
+
+
 def test_all_links_are_those_of_the_first_call():
     kept = KeptLinks(ConnectivityParameters(0.45, "all"))
     apart = np.array([[0.0, 0.4, 0.2, 0.9], [0.0, 0.0, 0.1, 0.0]])
