@@ -142,7 +142,7 @@ class KeptLinks:
         self._wanted = connectivity
         self._given: IntArray | None = None
         if not isinstance(connectivity.links, str):
-            self._given = np.array(connectivity.links, dtype=np.intp).reshape(-1, 2).T
+            self._given = np.array(connectivity.links, dtype=np.intp).T
         self.forget()
 
     def forget(self) -> None:

@@ -63,9 +63,9 @@ class LinkBarrier(NamedTuple):
 
     communication_range: float
     gain: float
-    time_step: float = 0.0
-    parting_speed: float = math.inf
-    disturbance: WheelDisturbance | None = None
+    time_step: float
+    parting_speed: float
+    disturbance: WheelDisturbance | None
 
     @property
     def sine(self) -> float:
