@@ -106,6 +106,7 @@ bench-barriers: $(VENV)/.dev  ## certificates: speed against the common way; 200
 	$(BIN)/python benchmarks/barrier_speed.py
 	$(BIN)/python benchmarks/barrier_safety.py
 	$(BIN)/python benchmarks/decentralised.py
+	$(BIN)/python benchmarks/staying_connected.py
 	$(BIN)/python benchmarks/late_robots.py
 
 bench-rps: $(VENV)/.dev  ## steps a second of both API generations, construction, plotting

@@ -19,12 +19,14 @@ from barrier_certificates.projection import Policy, ProjectionInfo, Projector, S
 from barrier_certificates.projection.decentralised import DecentralisedProjector
 from barrier_certificates.projection.projector import largest_speed
 from barrier_certificates.rows import (
+    ConnectivityParameters,
     LimitRows,
     Margin,
     Obstacle,
     ObstacleRows,
     PairRows,
     RowBook,
+    RowFamily,
     Rows,
     Scene,
     WallRows,
@@ -32,7 +34,10 @@ from barrier_certificates.rows import (
     polygon,
     rectangle,
 )
+from barrier_certificates.rows.kept_links import require_connectivity
+from barrier_certificates.rows.linked_book import LinkedRowBook
 from barrier_certificates.rows.obstacles import listed
+from barrier_certificates.step_memory import StepMemory
 
 __all__ = ["Certificate"]
 
@@ -106,6 +111,8 @@ class Certificate(ABC):
         What the motors can do, as rows of your own, instead of the limits that have names.
     solver, on_infeasible, options
         See `barrier_certificates.projection.Projector`.
+    connectivity : ConnectivityParameters, optional
+        Which robots stay within range of each other; None lets a team fall apart.
     decentralised : bool
         Whether each robot has a program of its own, with its share of each pair's row, instead of
         one for the team; see `barrier_certificates.projection.decentralised`.
@@ -143,6 +150,7 @@ class Certificate(ABC):
     solver: str = "auto"
     on_infeasible: Policy = "relax"
     options: Mapping[str, float] | None = field(default=None, hash=False)
+    connectivity: ConnectivityParameters | None = None
     decentralised: bool = False
     shares: Sequence[float] | None = None
     deadlock: DeadlockParameters | None = None
@@ -182,6 +190,8 @@ class Certificate(ABC):
             raise ParameterError(
                 f"deadlock is {self.deadlock!r}; expected DeadlockParameters or None"
             )
+        if self.connectivity is not None:
+            require_connectivity(self.connectivity, self.safety_radius if self.pair_rows else 0.0)
         if self.boundary is not None and len(self.boundary) == 4:
             x_min, x_max, y_min, y_max = self.boundary
             if not (x_min < x_max and y_min < y_max):
@@ -194,16 +204,18 @@ class Certificate(ABC):
     def reach(self) -> float:
         """Return the distance beyond which no two robots can break their row, m.
 
-        Infinite where nothing limits speeds. A robot that computes its own answer
-        (``decentralised``) need not see farther.
+        Infinite where nothing limits speeds, and where a tree of links is chosen, for which all
+        have to be seen. A robot that computes its own answer (``decentralised``) need not see
+        farther.
         """
         memory = self._memory
         pairs, least = memory.book.pairs, 0.5
+        links = 0.0 if self.connectivity is None else self.connectivity.reach()
         if pairs is None:
-            return 0.0
+            return links
         if self.shares is not None:
             least = min(self.shares) / (min(self.shares) + max(self.shares))
-        return pairs.reach(memory.book.top_speed * 0.5 / least)
+        return max(links, pairs.reach(memory.book.top_speed * 0.5 / least))
 
     def row_families(self) -> RowFamilies:
         """Return what writes the rows; a call with other obstacles moves those in here."""
@@ -250,7 +262,7 @@ class Certificate(ABC):
         return 0.5 * self.safety_radius if margin is None else margin
 
     @cached_property
-    def _memory(self) -> _Memory:
+    def _memory(self) -> StepMemory:
         disturbance, more = self._disturbance(), self._allowance()
         limits = self._motor_limits() if self.limits is None else self.limits
         walls = self._wall_rows(disturbance)
@@ -271,17 +283,33 @@ class Certificate(ABC):
         deadlock = self.deadlock
         if deadlock is None and self.tilt:
             deadlock = DeadlockParameters()
-        return _Memory(
-            RowBook(families, pairs, top_speed),
+        return StepMemory(
+            self._row_book(families, pairs, top_speed, disturbance),
             walls,
             obstacles,
             self._projector(),
             None if deadlock is None else DeadlockMonitor(deadlock),
         )
 
+    def _row_book(
+        self,
+        families: Sequence[RowFamily],
+        pairs: PairRows | None,
+        top_speed: float,
+        disturbance: WheelDisturbance | None,
+    ) -> RowBook:
+        """Return what writes the rows, with those of links where a team stays connected."""
+        if self.connectivity is None:
+            return RowBook(families, pairs, top_speed)
+        held: float = getattr(self, "time_step", 0.0)
+        kept = self.connectivity.barrier(held, top_speed, disturbance)
+        return LinkedRowBook(families, pairs, top_speed, self.connectivity, kept)
+
     def _refuse(self, desired: FloatArray) -> tuple[FloatArray, ProjectionInfo]:
         """Stop everybody, since something is not a number."""
-        return self._memory.projector.refuse(desired)
+        velocity, info = self._memory.projector.refuse(desired)
+        info.range_left = math.inf if self.connectivity is None else math.nan
+        return velocity, info
 
     def _certify(
         self, desired: FloatArray, scene: Scene, obstacles: Sequence[Obstacle] | None
@@ -295,9 +323,7 @@ class Certificate(ABC):
             velocity, info = memory.projector.project(desired, rows, memory.book.top_speed)
         else:
             velocity, info = self._watch(desired, rows, memory.monitor)
-        info.smallest_h, info.clearance, info.nearest_row = barrier
-        info.unsafe_start = memory.fresh and info.clearance < 0.0
-        memory.fresh = False
+        memory.tell(info, barrier)
         hearing.tell(desired, velocity, info)
         return velocity, info
 
@@ -325,37 +351,6 @@ class Certificate(ABC):
         checks.not_negative("within", within, "of metres")
         self._memory.place(self.obstacles if obstacles is None else obstacles)
         return self._memory.book.margins(scene, within)
-
-
-@dataclass(eq=False, repr=False)
-class _Memory:
-    """What a certificate keeps from step to step: rows in arrays, who bound, who was held."""
-
-    book: RowBook
-    walls: WallRows | None
-    obstacles: ObstacleRows
-    projector: Projector
-    monitor: DeadlockMonitor | None
-    fresh: bool = True
-
-    def reset(self) -> None:
-        """Forget who bound and who was held: the next call is the first."""
-        self.fresh = True
-        self.projector.reset()
-        if self.monitor is not None:
-            self.monitor.reset()
-
-    def place(self, obstacles: Sequence[Obstacle]) -> None:
-        """Put obstacles where they are now."""
-        if obstacles is self.obstacles.obstacles:
-            return
-        found, number = listed(obstacles), len(self.obstacles.obstacles)
-        if not found and not number:  # a list that stays empty costs nothing
-            return
-        self.obstacles.move(found)
-        if len(found) != number:
-            self.book.forget()
-            self.projector.reset()
 
 
 def _boundary(boundary: Any) -> tuple[Any, ...]:

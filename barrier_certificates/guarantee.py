@@ -20,6 +20,9 @@ The two cases meet if every h below which one step at top speed reaches zero is 
 0.033 s: with r = 0.20 m, γ = 2000 and s = 0.153 m/s, ``1/√(γ dt)`` is 0.123 m², or 0.40 m of
 distance, of which a step can take 10 mm. A wall is the same with ``g − dt 0.4 γ g³``.
 
+A link, which keeps two robots within a range, needs no such condition: its rows know the time step,
+and give at most half of what is left away (`barrier_certificates.rows.links`).
+
 The guarantee is for velocities that are *executed as certified*. Clipping them afterwards, a delay,
 wheels that slip and poses measured with an error all void it; so does the arc that a projection
 point moves on while its robot turns (`turning_error`), unless the certificate knows the time step.

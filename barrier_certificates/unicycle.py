@@ -242,7 +242,7 @@ class UnicycleCertificate(Certificate, DifferentialDrive):
     def margins(
         self, poses: Any, within: float = 0.1, obstacles: Sequence[Obstacle] | None = None
     ) -> list[Margin]:
-        """Return every pair, wall and obstacle that is near to being unsafe, the nearest first.
+        """Return every pair, wall, obstacle and link that is near to its limit, the nearest first.
 
         Parameters
         ----------

@@ -176,7 +176,7 @@ def test_a_report_prints_without_its_arrays():
     assert repr(ProjectionInfo(Status.TRIVIAL)) == (
         "ProjectionInfo(status=<Status.TRIVIAL: 'trivial'>, violation=0.0, iterations=0, solver='',"
         " intervention=0.0, clearance=inf, smallest_h=inf, unsafe_start=False,"
-        " stuck=array([], dtype=int64))"
+        " range_left=inf, disconnected_start=False, stuck=array([], dtype=int64))"
     )
     new = ProjectionInfo(Status.TRIVIAL)
     assert (new.rows, new.nearest_row, new.nearest, new.active, new.violated) == (

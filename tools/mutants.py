@@ -64,6 +64,14 @@ TARGETS = {
         ("barrier_certificates/projection/*.py",),
         ("test_barrier_relaxed", "test_barrier_projection", "test_barrier_large_numbers"),
     ),
+    "links": Target(
+        (
+            "barrier_certificates/rows/links.py",
+            "barrier_certificates/rows/kept_links.py",
+            "barrier_certificates/rows/linked_book.py",
+        ),
+        ("test_kept_links", "test_barrier_connectivity"),
+    ),
     "arena": Target(
         ("rps_compat/arena.py", "rps_compat/arena_guests.py", "rps_compat/violations.py"),
         ("test_arena_edges", "test_arena", "test_robotarium_faces"),

@@ -43,7 +43,7 @@ class BatchCertificate:
         What is kept apart, and how firmly.
     engine : {"auto", "numba", "numpy"}
         Who computes; ``"auto"`` is compiled where numba is installed and the certificate has
-        neither a solver of its own nor an eye on deadlocks, and is not decentralised.
+        neither a solver of its own nor an eye on deadlocks or links, and is not decentralised.
     threads : int, optional
         How many parts of the teams are computed side by side at most; one for each processor if
         None.
@@ -341,15 +341,15 @@ class BatchCertificate:
 def _can_be_compiled(certificate: Certificate, engine: Engine) -> bool:
     """Whether compiled code does all that a certificate asks for; refuse it if it was asked for."""
     single = certificate.solver == "auto" and certificate.deadlock is None and not certificate.tilt
-    single = single and not certificate.decentralised
+    single = single and not certificate.decentralised and certificate.connectivity is None
     known = (SingleIntegratorCertificate, UnicycleCertificate)
     if single and certificate.checked and isinstance(certificate, known):
         return True
     if engine == "numba":
         raise ParameterError(
             f"engine is 'numba' for {certificate!r}; expected a checked certificate with solver"
-            " 'auto', for the whole team, without deadlock and tilt; engine 'auto' or 'numpy' takes"
-            " any"
+            " 'auto', for the whole team, without deadlock, tilt and connectivity; engine 'auto' or"
+            " 'numpy' takes any"
         )
     return False
 

@@ -155,6 +155,11 @@ class LateCertificate(UnicycleCertificate):
                 "decentralised is True; a certificate for late robots is computed for the team,"
                 " which stops whoever is too close together"
             )
+        if self.connectivity is not None:
+            raise ParameterError(
+                f"connectivity is {self.connectivity!r}; expected None: a certificate for late"
+                " robots keeps no links, since robots may be farther apart than their stop points"
+            )
         checks.positive("time_step", self.time_step, "of seconds")
         margins = self.late_margins
         step, speed = margins.hold, margins.top_speed

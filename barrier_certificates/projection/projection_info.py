@@ -54,6 +54,11 @@ class ProjectionInfo:
         Whether this was a certificate's first call, or the first since `reset`, and found the team
         unsafe already (clearance below zero). The guarantee h ≥ 0 starts from h ≥ 0: until the
         team has become safe, it says nothing.
+    range_left : float
+        What is left of the communication range at the longest link that is kept, m; negative where
+        the team is not connected, or a link is lost. Infinite without links.
+    disconnected_start : bool
+        Whether this was such a first call, and found `range_left` negative.
     binding : (k,) integer array
         Indices of the rows that bind.
     broken : (k,) integer array
@@ -66,6 +71,8 @@ class ProjectionInfo:
         All rows; their numbers are written again by the next call.
     nearest_row : int
         The row of what is nearest to being unsafe; −1 where there is nothing.
+    link_row : int
+        A row of the longest link that is kept; −1 where there is none.
     """
 
     status: Status
@@ -76,11 +83,14 @@ class ProjectionInfo:
     clearance: float = math.inf
     smallest_h: float = math.inf
     unsafe_start: bool = False
+    range_left: float = math.inf
+    disconnected_start: bool = False
     binding: IntArray = field(default_factory=lambda: NO_ROWS, repr=False)
     broken: IntArray = field(default_factory=lambda: NO_ROWS, repr=False)
     stuck: IntArray = field(default_factory=lambda: NO_ROWS)
     rows: Rows | None = field(default=None, repr=False)
     nearest_row: int = field(default=-1, repr=False)
+    link_row: int = field(default=-1, repr=False)
 
     @property
     def deadlocked(self) -> bool:
@@ -89,7 +99,11 @@ class ProjectionInfo:
 
     @property
     def active(self) -> tuple[str, ...]:
-        """What the binding rows stand for: ``"robots 3 and 7"``, ``"robot 0 and wall +x"``."""
+        """What the binding rows stand for: ``"robots 3 and 7"``, ``"robot 0 and wall +x"``.
+
+        A link is ``"robots 3 and 7 in range"``; it has two rows in steps of time, and is named
+        twice where both bind.
+        """
         return self._named(self.binding)
 
     @property
@@ -100,9 +114,17 @@ class ProjectionInfo:
     @property
     def nearest(self) -> str | None:
         """What is nearest to being unsafe, as `active` names it; None where there is nothing."""
-        if self.rows is None or self.nearest_row < 0:
+        return self._name(self.nearest_row)
+
+    @property
+    def longest_link(self) -> str | None:
+        """Which link is nearest to being lost, as `active` names it; None where there is none."""
+        return self._name(self.link_row)
+
+    def _name(self, row: int) -> str | None:
+        if self.rows is None or row < 0:
             return None
-        return self.rows.label(self.nearest_row)
+        return self.rows.label(row)
 
     def _named(self, rows: IntArray) -> tuple[str, ...]:
         if self.rows is None:

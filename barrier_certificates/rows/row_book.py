@@ -179,11 +179,12 @@ class RowBook:
             self._rows.keep_dense()
 
     def _fixed_label(self, number: int) -> Callable[[int], str]:
-        starts = np.cumsum([0] + [family.partners(number).shape[1] for family in self.families])
+        families = self.families  # of these rows, whatever is laid out later
+        starts = np.cumsum([0] + [family.partners(number).shape[1] for family in families])
 
         def label(row: int) -> str:
             place = int(np.searchsorted(starts, row, side="right")) - 1
-            return self.families[place].label(number, row - int(starts[place]))
+            return families[place].label(number, row - int(starts[place]))
 
         return label
 

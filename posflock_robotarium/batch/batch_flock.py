@@ -110,7 +110,7 @@ class BatchFlock:
         self._one = replace(flock.certificate)
         self.certificate = BatchCertificate(self._one, engine=engine, threads=threads)
         self._limits = limits_of(self._one)
-        self._all_rows = replace(self._one, pair_rows=True)
+        self._all_rows = replace(self._one, pair_rows=True, connectivity=None)
         self._arena, self._steering_parameters = flock.arena, flock.steering
         self._hysteresis = flock.hysteresis
         self._filtering = flock.filter.parameters

@@ -204,7 +204,7 @@ class Flock:
         if local:
             self.certificate = local_certificate(self.certificate, law.radius)
         self._limits = limits_of(self.certificate)
-        self._all_rows = replace(self.certificate, pair_rows=True)
+        self._all_rows = replace(self.certificate, pair_rows=True, connectivity=None)
         self._neighbours = NeighbourMemory(law.radius, neighbour_hysteresis)
         self.steering = steering or SteeringParameters()
         self._steering: ArenaSteering | LocalSteering

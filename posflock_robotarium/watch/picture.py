@@ -71,8 +71,8 @@ def barrier_of(answer: Answer) -> BarrierPicture:
         status=info.status.value,
         intervention=known(info.intervention),
         clearance=known(info.clearance),
-        active=active,
-        pairs=pairs,
+        active=list(dict.fromkeys(active)),  # a link has two rows
+        pairs=list(dict.fromkeys(pairs)),
         held=held.tolist(),
         asked=rounded(answer.desired[:, held]),
         given=rounded(answer.velocity[:, held]),
