@@ -23,7 +23,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK = 1
 unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: demo test docs docs-browser docs-links pictures wheel test-slow test-numpy1 test-portable coverage mutants lint bench bench-nine bench-rps bench-barriers bench-verify \
-	bench-report bench-fuzz bench-faults bench-paper bench-machines bench-reality bench-batch bench-plot lock clean help
+	bench-report bench-fuzz bench-faults bench-paper bench-machines bench-reality bench-batch bench-libraries bench-plot lock clean help
 .DEFAULT_GOAL := help
 
 help:  ## this list
@@ -96,7 +96,7 @@ lint: $(VENV)/.dev  ## ruff, mypy --strict, import rules, docstrings
 	$(BIN)/lint-imports
 	$(BIN)/python tools/docstrings.py
 
-bench: bench-nine bench-rps bench-barriers bench-verify bench-report bench-fuzz bench-faults bench-paper bench-machines bench-reality bench-batch  ## every benchmark
+bench: bench-nine bench-rps bench-barriers bench-verify bench-report bench-fuzz bench-faults bench-paper bench-machines bench-reality bench-batch bench-libraries  ## every benchmark
 
 bench-nine: $(VENV)/.dev  ## the nine-robot experiment against its acceptance table
 	$(BIN)/python benchmarks/nine_robots.py
@@ -145,6 +145,9 @@ bench-paper: $(VENV)/.dev  ## the paper's table over seeds, what flocks and swee
 bench-batch: $(VENV)/.dev  ## thousands of teams at once: JAX=python-with-jax SIMULATOR=folder-of-rps_jax, else without
 	$(BIN)/python benchmarks/batch_speed.py $(if $(JAX),--jax $(JAX) --simulator $(SIMULATOR))
 	$(BIN)/python benchmarks/batch_flock_speed.py
+
+bench-libraries: $(VENV)/.dev  ## other libraries for barrier functions: LIBRARIES="--cbfpy python-that-has-it ...", else ours alone
+	$(BIN)/python benchmarks/cbf_libraries.py $(LIBRARIES)
 
 bench-reality: $(VENV)/.dev  ## predictions against real runs: REAL=folder of fetched repositories, else skipped
 	$(BIN)/python benchmarks/reality.py $(REAL)

@@ -35,11 +35,9 @@ from datetime import date
 from pathlib import Path
 from typing import NamedTuple
 
-from comparing import Table, cpu
+from comparing import Table, cpu  # before numpy
 
-if hasattr(os, "sched_setaffinity"):
-    os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
-
+# isort: split
 import numpy as np
 from cbf_library_worker import CANDIDATES
 from scipy.optimize import nnls
@@ -192,7 +190,8 @@ def doubt(limits: VelocityPolygon, states: tuple[np.ndarray, np.ndarray]) -> flo
         assert info.rows is not None
         excess = info.rows.excess(velocity.T.ravel())
         normals = info.rows.dense(np.flatnonzero(excess > -1e-12))
-        left = nnls(normals.T, (wish - velocity).T.ravel())[1] if len(normals) else 0.0
+        way = (wish - velocity).T.ravel()
+        left = nnls(normals.T, way)[1] if len(normals) else float(np.linalg.norm(way))
         worst = max(worst, float(excess.max()), left)
     return worst
 
@@ -214,6 +213,8 @@ def main() -> int:
     parser.add_argument("--runs", type=int, default=20, help="of each kind, of ten steps each")
     parser.add_argument("--rounds", type=int, default=5)
     asked = parser.parse_args()
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})  # and that of all others
     states = {kind: record(kind, asked.runs) for kind in KINDS}
     table = Table(width=56)
     for kind, recorded in states.items():

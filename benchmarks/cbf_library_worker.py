@@ -173,7 +173,7 @@ CANDIDATES = {
         ("cbfpy", "elastiqp"),
     ),
     "cbfkit": (cbfkit, {}, ("cbfkit", "jaxopt")),
-    "cbfkit-tight": (cbfkit, {"tol": 1e-8, "max_iter": 100_000}, ("cbfkit", "jaxopt")),
+    "cbfkit-tight": (cbfkit, {"tol": 1e-5, "max_iter": 5000}, ("cbfkit", "jaxopt")),
     "cbfkit-fast": (cbfkit, {"solver": "fast"}, ("cbfkit",)),
     "cbfjax": (cbfjax, {}, ("cbfjax", "qpax")),
     "cbfjax-osqp": (cbfjax, {"qp_solver": "jaxopt_osqp"}, ("cbfjax", "jaxopt")),
