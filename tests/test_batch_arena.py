@@ -1,5 +1,7 @@
 """A batch arena does what as many single arenas do."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,8 +9,11 @@ from barrier_certificates.batch import BatchCertificate, numba_is_installed
 from barrier_certificates.unicycle import UnicycleCertificate
 from rps_compat.arena import Arena
 from rps_compat.batch import BatchArena, Hold, Rollout, ToGoals, rollout
+from rps_compat.batch.team_profiles import kinds_of
+from rps_compat.distributions import DistributionKind, RobotDistribution, constant
 from rps_compat.errors import CommandError, InitialConditionsError
 from rps_compat.profiles import NAMES, load_profile
+from rps_compat.realism import Lag, Profile
 
 #: What compiles takes ten seconds, where nobody has before.
 ENGINES = (
@@ -36,14 +41,36 @@ def starts() -> np.ndarray:
     return poses
 
 
+def harsher(lag: RobotDistribution, gain: float) -> Profile:
+    """Return a profile that differs from others in what robots draw only."""
+    harsh = load_profile("harsh")
+    assert harsh.gains is not None
+    return replace(
+        harsh, name=f"±{gain}", lag=Lag(lag), gains=replace(harsh.gains, speed=constant(gain))
+    )
+
+
+#: One of every kind; three that differ in distributions, which are one large team, and the ideal.
+KINDS = [load_profile(name) for name in ("gternal", "ideal", "gritsbot_x", "gternal")]
+DRAWN = [
+    harsher(constant(0.1), 0.9),
+    None,
+    harsher(RobotDistribution(DistributionKind.UNIFORM, (0.0, 0.3)), 1.0),
+    harsher(RobotDistribution(DistributionKind.ROBOTS, (0.1, 0.2, 0.0, 0.3, 0.2)), 1.1),
+]
+PROFILES = {name: [load_profile(name)] * TEAMS for name in NAMES}
+PROFILES |= {"of every kind": KINDS, "drawn otherwise": DRAWN}
+
+
 @pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", PROFILES)
 def test_teams_move_and_fail_as_they_would_alone(name: str, engine: str) -> None:
-    profile, rng = load_profile(name), np.random.default_rng(5)
-    batch = BatchArena(starts(), realism=profile, seeds=range(TEAMS), engine=engine)
+    profiles, rng = PROFILES[name], np.random.default_rng(5)
+    realism = profiles[0] if name in NAMES else profiles
+    batch = BatchArena(starts(), realism=realism, seeds=range(TEAMS), engine=engine)
     alone = [
-        Arena(poses, realism=profile.start(), rng=np.random.default_rng(team))
-        for team, poses in enumerate(starts())
+        Arena(poses, realism=one and one.start(), rng=np.random.default_rng(team))
+        for team, (poses, one) in enumerate(zip(starts(), profiles, strict=True))
     ]
     for step in range(STEPS):
         if step % 40 < 15:  # then silence, until robots brake
@@ -66,6 +93,12 @@ def test_teams_move_and_fail_as_they_would_alone(name: str, engine: str) -> None
         fastest = arena.violations.largest_wheel_velocity
         assert counted.largest_wheel_velocity == pytest.approx(fastest)
     assert not batch.violations.clean[1]
+
+
+def test_teams_that_differ_in_what_robots_draw_are_one_large_team() -> None:
+    assert [teams for _, teams in kinds_of(DRAWN)] == [[0, 2, 3], [1]]
+    assert [teams for _, teams in kinds_of(KINDS)] == [[0, 3], [1], [2]]
+    assert kinds_of([None, load_profile("ideal")]) == [(None, [0, 1])]
 
 
 @pytest.mark.slow
@@ -133,6 +166,8 @@ def test_what_makes_no_sense_is_refused() -> None:
         BatchArena(np.zeros((3, 9)))
     with pytest.raises(CommandError, match="seeds: got none; expected 4"):
         BatchArena(starts(), realism=load_profile("gritsbot_x"))
+    with pytest.raises(CommandError, match="realism: got 2 profiles; expected one, or 4"):
+        BatchArena(starts(), realism=DRAWN[:2], seeds=range(TEAMS))
     arena = BatchArena(starts())
     arena.commands = np.zeros((2, ROBOTS))
     with pytest.raises(CommandError, match=r"need \(4, 2, 5\)"):

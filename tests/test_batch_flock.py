@@ -11,6 +11,7 @@ from posflock_robotarium.batch.batch_flock import BatchFlock
 from posflock_robotarium.batch.batch_trial import simulate_teams
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.flock import EXPERIMENT_CERTIFICATE, Flock
+from posflock_robotarium.flocking.law import PAPER_EXPERIMENT, LawParameters
 from posflock_robotarium.flocking.paper_models import Model
 from posflock_robotarium.flocking.placement import random_poses
 from posflock_robotarium.simulation.flock_trial import simulate
@@ -78,6 +79,49 @@ def test_long_trials_too(profile: str) -> None:
 )
 def test_other_flocks_too(flock: Flock) -> None:
     assert_as_alone(flock, 0.8, "gritsbot_x", "numpy")
+
+
+def own_laws() -> list[LawParameters]:
+    """Return a law for each of five teams, no two alike in any number; one with a robot's each."""
+    usual = replace(PAPER_EXPERIMENT, persistence=3.0).as_dict()  # counts from 1/3 s on
+    drawn = np.random.default_rng(8).uniform(0.8, 1.2, (5, len(usual)))
+    laws = [LawParameters(*(row * list(usual.values()))) for row in drawn]
+    laws[2] = replace(laws[2], radius=np.linspace(0.6, 0.9, 9), speed_limit=np.full(9, 0.14))
+    return laws
+
+
+@pytest.mark.parametrize("model", list(Model))
+def test_each_team_may_follow_a_law_of_its_own(model: Model) -> None:
+    laws = own_laws()
+    names = ("gritsbot_x", "ideal", "gritsbot_x", "harsh", "gternal")
+    realism = [load_profile(name) for name in names]
+    flock = Flock(model=model)
+    many = simulate_teams(
+        flock, starts(), 1.0, seeds=SEEDS, realism=realism, laws=laws, engine="numpy"
+    )
+    for team, found in enumerate(many):
+        own, real = Flock(laws[team], model=model), realism[team].start()
+        alone = simulate(own, starts()[team], 1.0, realism=real, seed=SEEDS[team])
+        np.testing.assert_allclose(found.true_poses, alone.true_poses, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(found.log.commands, alone.log.commands, rtol=0, atol=1e-12)
+        assert found.log.parameters == alone.log.parameters
+
+
+def test_laws_that_no_batch_can_follow_are_refused() -> None:
+    laws = own_laws()
+    with pytest.raises(ParameterError, match="laws: expected 5, one for each team, got 4"):
+        BatchFlock(Flock(), 5, laws=laws[:4])
+    with pytest.raises(ParameterError, match=r"less than the radius, 0\.1 m; got 0\.15"):
+        BatchFlock(Flock(), 5, laws=[*laws[:4], replace(laws[4], radius=0.1)])
+    with pytest.raises(ParameterError, match="teams of one size, got radius for 4 and for 9"):
+        BatchFlock(Flock(), 5, laws=[*laws[:4], replace(laws[4], radius=np.full(4, 0.7))])
+    eight = starts()[:, :, :8]
+    for flock, poses in (
+        (BatchFlock(Flock(), 5, laws=laws, engine="numpy"), eight),
+        (Flock(laws[2]), eight[2]),
+    ):
+        with pytest.raises(ParameterError, match="one value for each of 8 agents, got 9"):
+            flock.step(poses)
 
 
 @pytest.mark.slow  # compiles, where nobody has before

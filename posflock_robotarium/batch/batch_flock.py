@@ -8,6 +8,7 @@ asks another there; law, neighbours and limits take the axis of teams.
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,10 +16,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from barrier_certificates.batch import STATUSES, BatchCertificate, BatchInfo, Engine
 from posflock_robotarium.batch.batch_steering import BatchSteering
+from posflock_robotarium.batch.team_laws import law_of_teams
 from posflock_robotarium.flocking.drive_limits import limits_of, within_limits
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.flock import Flock
-from posflock_robotarium.flocking.law import displacements, saturate
+from posflock_robotarium.flocking.law import LawParameters, displacements, saturate
 from posflock_robotarium.flocking.neighbour_memory import NeighbourMemory
 from posflock_robotarium.flocking.pose_filter import PoseFilter
 
@@ -56,7 +58,7 @@ class BatchFlockStep:
 
 
 class BatchFlock:
-    """The controller of B flocks that are alike and start differently.
+    """The controller of B flocks that start differently, and may follow laws of their own.
 
     Each team is told what a `Flock` of its own would tell it: the same numbers with numpy; compiled
     certificates differ by the rounding of sines and cosines.
@@ -72,12 +74,14 @@ class BatchFlock:
     threads : int, optional
         How many parts of the teams the certificate computes side by side at most; one for each
         processor if None.
+    laws : sequence of B LawParameters, optional
+        What each team follows in the place of the flock's law.
 
     Raises
     ------
     ParameterError
-        Where there are no teams, the flock is local, or the engine cannot do what the certificate
-        asks for.
+        Where there are no teams, or not as many laws; the flock is local, or a law's radius not
+        more than the flock's hysteresis; or the engine cannot do what the certificate asks for.
     EngineNotInstalledError
         If numba is asked for but not installed.
 
@@ -96,7 +100,13 @@ class BatchFlock:
     """
 
     def __init__(
-        self, flock: Flock, teams: int, *, engine: Engine = "auto", threads: int | None = None
+        self,
+        flock: Flock,
+        teams: int,
+        *,
+        engine: Engine = "auto",
+        threads: int | None = None,
+        laws: Sequence[LawParameters] | None = None,
     ) -> None:
         if teams < 1:
             raise ParameterError(f"teams: expected one at least, got {teams!r}")
@@ -105,7 +115,10 @@ class BatchFlock:
                 "flock: it is local, each robot with estimates of its own; expected one that is"
                 " steered by its mean, or fly local flocks one at a time, by simulate"
             )
-        self.law, self.model, self.walls = flock.law, flock.model, flock.walls
+        if laws is not None and len(laws) != teams:
+            raise ParameterError(f"laws: expected {teams}, one for each team, got {len(laws)}")
+        self.law = flock.law if laws is None else law_of_teams(laws)
+        self.model, self.walls = flock.model, flock.walls
         self.time_step, self.teams = flock.time_step, teams
         self._one = replace(flock.certificate)
         self.certificate = BatchCertificate(self._one, engine=engine, threads=threads)
@@ -141,13 +154,15 @@ class BatchFlock:
         Raises
         ------
         ParameterError
-            Where the poses have another shape or a value that is not finite.
+            Where the poses have another shape or a value that is not finite, or the law is for
+            another number of robots.
         """
         seen = self._checked(poses)
         x = self._filter.update(_side_by_side(seen))
         ahead = np.stack([np.cos(x[2]), np.sin(x[2])])
         points = self._apart(x[:2] + self._one.projection_distance * ahead)
         if self._imprint is None or self._velocity is None:
+            self.law.agents_must_be(points.shape[-1])
             self._imprint = displacements(points)
             self._velocity = np.zeros_like(points)
         self._steps += 1

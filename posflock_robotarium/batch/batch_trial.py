@@ -7,6 +7,7 @@ law, arena, imperfections and random numbers.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +16,7 @@ from barrier_certificates.batch import Engine
 from posflock_robotarium.batch.batch_flock import WORDS, BatchFlock
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.flock import Flock
+from posflock_robotarium.flocking.law import LawParameters
 from posflock_robotarium.logs.run import Run
 from posflock_robotarium.simulation.flock_trial import Trial, described, robot_for
 from rps_compat.batch import BatchArena
@@ -31,11 +33,12 @@ def simulate_teams(
     *,
     seeds: Sequence[int],
     robot: RobotModel | None = None,
-    realism: Profile | None = None,
+    realism: Profile | Sequence[Profile | None] | None = None,
+    laws: Sequence[LawParameters] | None = None,
     engine: Engine = "auto",
     threads: int | None = None,
 ) -> list[Trial]:
-    """Let B flocks that are alike drive for some time, each in an arena of its own.
+    """Let B flocks drive for some time, each in an arena of its own.
 
     All trials are kept in memory: about 0.6 kB a step and team of nine.
 
@@ -52,8 +55,11 @@ def simulate_teams(
     robot : RobotModel, optional
         The robots and the arena that they drive in and are judged by; by default GRITSBot X in the
         arena, and with the time step, that the flock is made for.
-    realism : Profile, optional
-        Imperfections of motors and tracking; none in the ideal arena.
+    realism : Profile or sequence of B Profile or None, optional
+        Imperfections of motors and tracking, alike for all or of each team; none in the ideal
+        arena.
+    laws : sequence of B LawParameters, optional
+        What each team follows in the place of the flock's law.
     engine : {"auto", "numba", "numpy"}
         Who computes certificate and arena; ``"auto"`` is compiled where numba is installed.
     threads : int, optional
@@ -68,8 +74,10 @@ def simulate_teams(
     Raises
     ------
     ParameterError
-        Where starts, seeds or the duration mean nothing, or the robots' time step is not the
+        Where starts, seeds, laws or the duration mean nothing, or the robots' time step is not the
         flock's.
+    CommandError
+        Where there are not as many profiles as teams.
     EngineNotInstalledError
         If numba is asked for but not installed.
     """
@@ -81,7 +89,7 @@ def simulate_teams(
         )
     robot = robot_for(flock, robot)
     steps = flock.steps_in(duration)
-    flocks = BatchFlock(flock, len(poses), engine=engine, threads=threads)
+    flocks = BatchFlock(flock, len(poses), engine=engine, threads=threads, laws=laws)
     arena = BatchArena(poses, robot, realism=realism, seeds=seeds, engine=engine, threads=threads)
     rows = _Rows(steps, *poses.shape[::2])
     for step in range(steps):
@@ -96,7 +104,11 @@ def simulate_teams(
         )
         arena.commands = decision.command
         arena.step()
-    return [rows.trial(team, flock, robot, int(seed)) for team, seed in enumerate(seeds)]
+    followed = [flock.law] * len(poses) if laws is None else laws
+    return [
+        rows.trial(team, described(flock, robot, steps, int(seed), law))
+        for team, (seed, law) in enumerate(zip(seeds, followed, strict=True))
+    ]
 
 
 class _Rows:
@@ -110,10 +122,10 @@ class _Rows:
         self.intervention = np.empty((teams, steps))
         self.clearance = np.empty((teams, steps))
 
-    def trial(self, team: int, flock: Flock, robot: RobotModel, seed: int) -> Trial:
-        """Return the trial of one team."""
-        steps = self.status.shape[1]
-        times = np.asarray(np.arange(steps) * flock.time_step, dtype=np.float64)
+    def trial(self, team: int, parameters: dict[str, Any]) -> Trial:
+        """Return the trial of one team, of which a log says so much."""
+        steps = np.arange(self.status.shape[1])
+        times = np.asarray(steps * parameters["time_step"], dtype=np.float64)
         log = Run(
             name="flock",
             t=times,
@@ -122,6 +134,6 @@ class _Rows:
             status=WORDS[self.status[team]],
             intervention=self.intervention[team],
             clearance=self.clearance[team],
-            parameters=described(flock, robot, steps, seed),
+            parameters=parameters,
         )
         return Trial(log, self.true_poses[team])

@@ -266,10 +266,17 @@ class Flock:
         """Where it keeps the robots: least and greatest x, least and greatest y, m."""
         return self._steering.arena
 
-    def parameters(self) -> dict[str, Any]:
-        """Return everything a log must say to repeat the run, ready for JSON."""
+    def parameters(self, law: LawParameters | None = None) -> dict[str, Any]:
+        """Return everything a log must say to repeat the run, ready for JSON.
+
+        Parameters
+        ----------
+        law : LawParameters, optional
+            What was followed in the place of the flock's own, by a team of a batch.
+        """
+        followed = (law or self.law).as_dict()
         return {
-            "law": self.law.as_dict(),
+            "law": followed,
             "model": self.model.value,
             "time_step": self.time_step,
             "walls": self.walls,
@@ -277,7 +284,7 @@ class Flock:
             "wheels": asdict(self.certificate),
             "steering": asdict(self.steering) if self.walls == "steer" else None,
             "filtering": asdict(self.filter.parameters),
-            "neighbour_radius": self.law.as_dict()["radius"],
+            "neighbour_radius": followed["radius"],
             "neighbour_hysteresis": self.hysteresis,
             "arena": list(self.arena),
         }
@@ -312,7 +319,8 @@ class Flock:
         Raises
         ------
         ParameterError
-            Where the poses have another shape or a value that is not finite.
+            Where the poses have another shape or a value that is not finite, or the law is for
+            another number of robots.
         """
         attendance.show(self)
         seen = checked_poses(poses, None if self._velocity is None else self._velocity.shape[1])
@@ -320,6 +328,7 @@ class Flock:
         ahead = np.array([np.cos(x[2]), np.sin(x[2])])
         points = x[:2] + self.certificate.projection_distance * ahead
         if self._imprint is None or self._velocity is None:
+            self.law.agents_must_be(points.shape[-1])
             self._imprint = displacements(points)
             self._velocity = np.zeros_like(points)
         self._steps += 1

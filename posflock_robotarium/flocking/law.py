@@ -168,7 +168,7 @@ def psi(distance: ArrayLike, rest_distance: ArrayLike) -> Floats:
     return gain
 
 
-def phi(time: float, neighbour_count: ArrayLike, persistence: float | None) -> Floats:
+def phi(time: float, neighbour_count: ArrayLike, persistence: float | Floats | None) -> Floats:
     """Return the alignment gain φ: |N_i|/t until t = 1/k, and k·|N_i| from then on.
 
     Parameters
@@ -177,8 +177,9 @@ def phi(time: float, neighbour_count: ArrayLike, persistence: float | None) -> F
         Seconds since the imprint, more than zero.
     neighbour_count : (...) array
         |N_i|.
-    persistence : float or None
-        k in 1/s.  None is the model without threshold: |N_i|/t for ever.
+    persistence : float or (...) array or None
+        k in 1/s; broadcast against `neighbour_count`.  None is the model without threshold:
+        |N_i|/t for ever.
 
     Returns
     -------
@@ -194,7 +195,7 @@ def phi(time: float, neighbour_count: ArrayLike, persistence: float | None) -> F
         raise ParameterError(
             f"time: expected more than 0 s (the first input is computed at t = dt), got {time!r}"
         )
-    rate = 1.0 / time if persistence is None else max(1.0 / time, persistence)
+    rate = 1.0 / time if persistence is None else np.maximum(1.0 / time, persistence)
     return np.asarray(neighbour_count, dtype=float) * rate
 
 
@@ -358,7 +359,7 @@ def _cohesion_separation(
 
 
 def _within(distance: Floats, radius: float | Floats) -> Booleans:
-    reach = radius[:, None] if isinstance(radius, np.ndarray) else radius
+    reach = radius[..., None] if isinstance(radius, np.ndarray) else radius
     adjacency: Booleans = short_of(distance, reach)
     agents = np.arange(distance.shape[-1])
     adjacency[..., agents, agents] = False

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.flock import Flock
+from posflock_robotarium.flocking.law import LawParameters
 from posflock_robotarium.flocking.pose_log import row_type
 from posflock_robotarium.logs.run import How, Run
 from rps_compat.arena import Arena
@@ -129,7 +130,9 @@ def robot_for(flock: Flock, robot: RobotModel | None) -> RobotModel:
     return robot
 
 
-def described(flock: Flock, robot: RobotModel, steps: int, seed: int) -> dict[str, Any]:
+def described(
+    flock: Flock, robot: RobotModel, steps: int, seed: int, law: LawParameters | None = None
+) -> dict[str, Any]:
     """Return what a pose log would say of a trial in its JSON.
 
     Parameters
@@ -142,8 +145,10 @@ def described(flock: Flock, robot: RobotModel, steps: int, seed: int) -> dict[st
         How many.
     seed : int
         What imperfections were drawn from.
+    law : LawParameters, optional
+        What was followed in the place of the flock's own law.
     """
-    return flock.parameters() | {
+    return flock.parameters(law) | {
         "seed": seed,
         "simulated": True,
         "robot": asdict(robot),

@@ -4,7 +4,8 @@ From the outside in:
 
 - `batch_arena`: B teams and their steps; `batch_violations`: what is counted;
 - `rollout`: many steps under a certificate; `rollout_kernel`: the same, compiled;
-- `batch_effects`: realism profiles for many teams; `random_streams`: a stream for each;
+- `batch_effects`: realism profiles for many teams; `team_profiles`: where they differ;
+  `random_streams`: a stream for each;
 - `step_kernel`: a step, compiled; `count_kernel`: what is held against a team; `step_constants`:
   robot models for both; `step_arrays`: a step in numpy.
 """

@@ -36,8 +36,9 @@ class BatchArena:
         Initial poses, m and rad. Copied.
     robot : RobotModel
         Dimensions and limits.
-    realism : Profile, optional
-        Imperfections of motors and tracking; None is the ideal arena.
+    realism : Profile or sequence of B Profile or None, optional
+        Imperfections of motors and tracking, alike for all or of each team; None is the ideal
+        arena.
     seeds : sequence of int or Generator, optional
         What each team draws from, as ``default_rng(seed)`` in a single arena; needed with realism.
     engine : {"auto", "numba", "numpy"}
@@ -65,7 +66,7 @@ class BatchArena:
     InitialConditionsError
         If the poses are not of shape (B, 3, N), or not finite.
     CommandError
-        If there are not as many seeds as teams.
+        If there are not as many seeds or profiles as teams.
     EngineNotInstalledError
         If numba is asked for but not installed.
 
@@ -84,7 +85,7 @@ class BatchArena:
         poses: ArrayLike,
         robot: RobotModel = GRITSBOT_X,
         *,
-        realism: Profile | None = None,
+        realism: Profile | Sequence[Profile | None] | None = None,
         seeds: Sequence[int | np.random.Generator] | None = None,
         engine: Engine = "auto",
         threads: int | None = None,
@@ -108,8 +109,9 @@ class BatchArena:
         self._observed: Array | None = None
         self.realism: BatchRealism | None = None
         if realism is not None:
-            generators = _generators(seeds, teams)
-            self.realism = begin(realism, self.poses, robot.time_step, generators)
+            profiles = [realism] * teams if isinstance(realism, Profile) else realism
+            generators = _generators(seeds, profiles, teams)
+            self.realism = begin(profiles, self.poses, robot.time_step, generators)
 
     @property
     def violations(self) -> BatchViolations:
@@ -272,9 +274,15 @@ def _are_within(commands: Array, largest: float) -> bool:
 
 
 def _generators(
-    seeds: Sequence[int | np.random.Generator] | None, teams: int
+    seeds: Sequence[int | np.random.Generator] | None,
+    profiles: Sequence[Profile | None],
+    teams: int,
 ) -> list[np.random.Generator]:
     if seeds is None or len(seeds) != teams:
         got = "none" if seeds is None else len(seeds)
         raise CommandError(f"seeds: got {got}; expected {teams} with realism, one for each team")
+    if len(profiles) != teams:
+        raise CommandError(
+            f"realism: got {len(profiles)} profiles; expected one, or {teams}, one for each team"
+        )
     return [np.random.default_rng(seed) for seed in seeds]

@@ -1,4 +1,4 @@
-"""A realism profile for many teams: the effects of one team, asked for a team of all robots."""
+"""Realism profiles for many teams: the effects of one team, asked for a team of all robots."""
 
 from __future__ import annotations
 
@@ -6,10 +6,12 @@ from collections.abc import Sequence
 from typing import Protocol, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rps_compat.arena import WRAPPED_BEYOND
 from rps_compat.arena_guests import Array
 from rps_compat.batch.random_streams import RandomStreams
+from rps_compat.batch.team_profiles import kinds_of
 from rps_compat.realism import Imperfections, Profile
 
 
@@ -52,14 +54,17 @@ class BatchRealism(Protocol):
 
 
 def begin(
-    profile: Profile, poses: Array, time_step: float, generators: Sequence[np.random.Generator]
+    profiles: Sequence[Profile | None],
+    poses: Array,
+    time_step: float,
+    generators: Sequence[np.random.Generator],
 ) -> BatchRealism | None:
-    """Begin a run of each team under a profile; None where nothing is on.
+    """Begin a run of each team under its profile; None where nothing is on.
 
     Parameters
     ----------
-    profile : Profile
-        Which effects there are.
+    profiles : sequence of B Profile or None
+        Which effects each team has; None is ideal.
     poses : (B, 3, N) array
         Where the robots stand, m and rad.
     time_step : float
@@ -67,11 +72,17 @@ def begin(
     generators : sequence of Generator
         Where each team draws from.
     """
-    if not profile.effects:
-        return None
-    if profile.clock is not None:  # steps of different lengths have nothing in common
-        return _EachTeam(profile, poses, time_step, generators)
-    return _OneLargeTeam(profile, poses, time_step, generators)
+    kinds = []
+    for profile, teams in kinds_of(profiles):
+        chance = [generators[team] for team in teams]
+        one: BatchRealism | None = None
+        if profile is not None and profile.clock is None:
+            one = _OneLargeTeam(profile, poses[teams], time_step, chance)
+        elif profile is not None:  # steps of different lengths have nothing in common
+            each = [cast(Profile, profiles[team]) for team in teams]
+            one = _EachTeam(each, poses[teams], time_step, chance)
+        kinds.append((one, np.array(teams)))
+    return kinds[0][0] if len(kinds) == 1 else _Kinds(kinds)
 
 
 class _OneLargeTeam(BatchRealism):
@@ -106,12 +117,12 @@ class _EachTeam(BatchRealism):
 
     def __init__(
         self,
-        profile: Profile,
+        profiles: Sequence[Profile],
         poses: Array,
         time_step: float,
         generators: Sequence[np.random.Generator],
     ) -> None:
-        self._teams = [Imperfections(profile) for _ in generators]
+        self._teams = [Imperfections(profile) for profile in profiles]
         for realism, stood, generator in zip(self._teams, poses, generators, strict=True):
             realism.reset(stood, time_step, generator)
 
@@ -129,6 +140,31 @@ class _EachTeam(BatchRealism):
 
     def observe(self, poses: Array) -> Array:
         return np.stack([one.observe(seen) for one, seen in zip(self._teams, poses, strict=True)])
+
+
+class _Kinds(BatchRealism):
+    """Teams of several kinds, one kind after the other; None is the ideal one."""
+
+    def __init__(self, kinds: Sequence[tuple[BatchRealism | None, NDArray[np.intp]]]) -> None:
+        self._kinds = kinds
+
+    def drive(self, commands: Array, poses: Array, time_step: float, fresh: bool) -> Array:
+        velocities = commands.copy()
+        for realism, teams in self._kinds:
+            moved = poses[teams]
+            if realism is None:
+                move(commands[teams], moved, time_step)
+            else:
+                velocities[teams] = realism.drive(commands[teams], moved, time_step, fresh)
+            poses[teams] = moved
+        return velocities
+
+    def observe(self, poses: Array) -> Array:
+        seen = poses.copy()
+        for realism, teams in self._kinds:
+            if realism is not None:
+                seen[teams] = realism.observe(poses[teams])
+        return seen
 
 
 def move(velocities: Array, poses: Array, seconds: float, heading: Array | None = None) -> None:
