@@ -141,7 +141,7 @@ def test_rows_of_a_study_are_those_of_single_trials(duration: float) -> None:
     given = {"duration": duration, "profile": "gritsbot_x"}
     study = parse_study({"experiment": "robots", "replications": 2, "parameters": given})
     profile = load_profile("gritsbot_x")
-    (runs,) = batches(study.runs(), 32)
+    (runs,) = batches(study.runs(), study.experiment)
     rows = compute("robots", runs)
     for run, row in zip(study.runs(), rows, strict=True):
         start = random_poses(9, np.random.default_rng(run.stream), side=1.0, spacing=0.3)

@@ -156,7 +156,8 @@ def test_an_experiment_can_be_added_once():
     study = parse_study(
         {"experiment": "count-for-test", "replications": 1, "grid": {"value": [1, 2.5]}}
     )
-    rows = [row for batch in batches(study.runs(), 1) for row in compute("count-for-test", batch)]
+    made = batches(study.runs(), study.experiment)
+    rows = [row for batch in made for row in compute("count-for-test", batch)]
     assert [row["twice"] for row in rows] == [2.0, 5.0]
     with pytest.raises(ParameterError, match="already"):
         register(Experiment("count-for-test", "", {}, count, ()))
@@ -165,7 +166,7 @@ def test_an_experiment_can_be_added_once():
 
 def test_batches_hold_equal_parameters():
     study = parse_study(without(SMALL, "distributions") | {"replications": 11})
-    made = batches(study.runs(), 8)
+    made = batches(study.runs(), study.experiment, workers=3)
     assert [len(batch) for batch in made] == [8, 3] * 4
     assert all(len({str(run.parameters) for run in batch}) == 1 for batch in made)
 

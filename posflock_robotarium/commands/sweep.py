@@ -51,6 +51,7 @@ def sweep(
     from posflock_robotarium.sweep.listing import forget_other_study, list_files
     from posflock_robotarium.sweep.results import (
         PARQUET,
+        engines,
         finished,
         of_other_code,
         parquet_is_installed,
@@ -83,6 +84,14 @@ def sweep(
     done = {"computed": computed, "found": there, "other_code": stale, "torn": store.torn}
     if not parquet_is_installed():
         say(f"no {PARQUET}: it needs pip install 'posflock-robotarium[parquet]'", err=True)
+    by = engines(asked, rows)
+    if len(by) > 1:
+        told = " and ".join(f"{number} by {name}" for name, number in sorted(by.items()))
+        say(
+            f"{told}: their last bits differ, as column engine of results.csv tells; for one engine"
+            " give another folder with -o",
+            err=True,
+        )
     failed = _print(done, rows, folder, paths, as_json)
     raise typer.Exit(1 if failed else 0)
 

@@ -9,26 +9,29 @@ says why, and the rest goes on.
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Hashable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
-from itertools import chain, groupby, islice
+from itertools import chain, islice
 from pathlib import Path
 from typing import Any
 
 from posflock_robotarium import __version__
 from posflock_robotarium.flocking.errors import PosflockError
 from posflock_robotarium.simulation.workers import local_pool, processors
-from posflock_robotarium.sweep.experiments import Outcome
+from posflock_robotarium.sweep.experiments import Experiment, Outcome
 from posflock_robotarium.sweep.scripts import experiment_of
 from posflock_robotarium.sweep.sources import code_of
-from posflock_robotarium.sweep.store import ERROR, Row, Store
+from posflock_robotarium.sweep.store import ENGINE, ERROR, Row, Store
 from posflock_robotarium.sweep.study import PlannedRun, Study
 
 #: Letters of an error that a row keeps.
 _LONGEST_ERROR = 500
+#: Runs of different parameters that go together at least, though workers be idle.
+_FEWEST_TOGETHER = 8
 #: What is said of a run whose worker died.
 DIED = "WorkerDied: its worker process died, of a crash, a kill or for want of memory"
 
@@ -61,7 +64,7 @@ class Job:
         Parameters
         ----------
         runs : sequence of PlannedRun
-            With one set of parameters.
+            Of one batch.
         """
         return compute(self.experiment, runs, self.module)
 
@@ -117,7 +120,7 @@ def execute(
     missing = [run for run in study.runs() if _is_missing(store.rows.get(run.key), retry_failed)]
     job = Job(study.experiment.name, study.module, study.code)
     done = 0
-    for rows in executor(job, batches(missing, study.experiment.together)):
+    for rows in executor(job, batches(missing, study.experiment, processors())):
         _require_same_code(rows, study.code)
         store.append(rows)
         done += len(rows)
@@ -129,32 +132,42 @@ def _is_missing(row: Row | None, retry_failed: bool) -> bool:
     return row is None or (retry_failed and ERROR in row)
 
 
-def batches(runs: Iterable[PlannedRun], together: int) -> list[list[PlannedRun]]:
-    """Group runs with equal parameters into batches of at most so many.
+def batches(
+    runs: Iterable[PlannedRun], experiment: Experiment, workers: int = 1
+) -> list[list[PlannedRun]]:
+    """Group runs that can be computed in one call, in their order.
 
     Parameters
     ----------
     runs : iterable of PlannedRun
-        The runs, those with equal parameters side by side.
-    together : int
-        Most runs in a batch.
+        The runs.
+    experiment : Experiment
+        What they are runs of: it says which and how many go together.
+    workers : int
+        How many there are to do it: fewer runs than could go together do, rather than that one of
+        them has all and others have none.
     """
+    groups: dict[Hashable, list[PlannedRun]] = {}
+    for run in runs:
+        groups.setdefault(experiment.company(run.parameters), []).append(run)
     made = []
-    for _, group in groupby(runs, key=lambda run: sorted(run.parameters.items())):
-        alike = list(group)
-        made += [alike[at : at + together] for at in range(0, len(alike), together)]
+    for alike in groups.values():
+        most = experiment.together
+        if experiment.run_mixed is not None:
+            most = min(most, max(_FEWEST_TOGETHER, math.ceil(len(alike) / workers)))
+        made += [alike[at : at + most] for at in range(0, len(alike), most)]
     return made
 
 
 def compute(experiment: str, runs: Sequence[PlannedRun], module: Path | None = None) -> list[Row]:
-    """Compute one batch of runs with equal parameters.
+    """Compute one batch of runs.
 
     Parameters
     ----------
     experiment : str
         Name of a registered experiment.
     runs : sequence of PlannedRun
-        With one set of parameters.
+        Such as can be computed in one call.
     module : Path, optional
         The file that registers the experiment, where it is a user's own.
 
@@ -162,23 +175,29 @@ def compute(experiment: str, runs: Sequence[PlannedRun], module: Path | None = N
     -------
     list of rows
         Everything that decides a run, then what came out or the error that it ended with,
-        ``seconds`` of CPU time a run, and the ``version`` and the digest of the ``code``
-        that computed it.
+        ``seconds`` of CPU time a run, the ``version`` and the digest of the ``code`` that computed
+        it, and the ``engine`` where there are several.
     """
     found = experiment_of(experiment, module)
     code = code_of(found, module)
     started = time.process_time()
     try:
-        outcomes = _checked(found.run(runs[0].parameters, [run.stream for run in runs]), len(runs))
+        parameters, seeds = [run.parameters for run in runs], [run.stream for run in runs]
+        outcomes = _checked(found.outcomes(parameters, seeds), len(runs))
     except (Exception, SystemExit) as error:
-        if len(runs) > 1:  # one of them, perhaps: each is to have its own end
-            return [row for run in runs for row in compute(experiment, [run], module)]
+        if len(runs) > 1:  # one of them, perhaps: the others are not to end by it
+            halves = runs[: len(runs) // 2], runs[len(runs) // 2 :]
+            return [row for half in halves for row in compute(experiment, half, module)]
         outcomes = [{ERROR: words_of(error)}]
     seconds = (time.process_time() - started) / len(runs)
-    return [
+    rows = [
         _row(experiment, run, outcome, seconds, code)
         for run, outcome in zip(runs, outcomes, strict=True)
     ]
+    for row, run in zip(rows, runs, strict=True):
+        if found.engine is not None and ERROR not in row:
+            row[ENGINE] = found.engine(run.parameters)
+    return rows
 
 
 def words_of(error: BaseException) -> str:

@@ -16,7 +16,7 @@ asked for.  A module that registers one of its own can be named in a study file.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
 from typing import Any
@@ -30,6 +30,8 @@ Value = bool | int | float | str
 Parameters = Mapping[str, Value]
 Outcome = dict[str, float]
 Run = Callable[[Parameters, Sequence[np.random.SeedSequence]], list[Outcome]]
+#: The same, with parameters for each seed.
+RunMixed = Callable[[Sequence[Parameters], Sequence[np.random.SeedSequence]], list[Outcome]]
 
 
 @dataclass(frozen=True)
@@ -60,6 +62,13 @@ class Experiment:
     units : mapping of str
         Of its parameters and outcomes; what is missing has an unknown one. Empty where the
         package's own experiments have the same names.
+    run_mixed : function of (parameters of each run, seeds), optional
+        Computes runs of different parameters in one call, each to the numbers that `run` gives.
+    alike : function of parameters
+        What runs have in common that `run_mixed` takes in one call, hashable; asked before anything
+        is checked.
+    engine : function of parameters, optional
+        Who computes a run in this process, where that decides its last bits: a row says so.
     """
 
     name: str
@@ -72,6 +81,37 @@ class Experiment:
     reads: Callable[[Parameters], str] = lambda parameters: ""
     sources: tuple[Callable[..., object], ...] = ()
     units: Mapping[str, str] = field(default_factory=dict)
+    run_mixed: RunMixed | None = None
+    alike: Callable[[Parameters], Hashable] = lambda parameters: None
+    engine: Callable[[Parameters], str] | None = None
+
+    def outcomes(
+        self, parameters: Sequence[Parameters], seeds: Sequence[np.random.SeedSequence]
+    ) -> list[Outcome]:
+        """Compute one batch of runs, see `company`.
+
+        Parameters
+        ----------
+        parameters : sequence of mapping
+            Of each run.
+        seeds : sequence of SeedSequence
+            What each run draws from.
+        """
+        if self.run_mixed is not None:
+            return self.run_mixed(parameters, seeds)
+        return self.run(parameters[0], seeds)
+
+    def company(self, parameters: Parameters) -> Hashable:
+        """Return what is equal of runs that can be computed in one call.
+
+        Parameters
+        ----------
+        parameters : mapping
+            Of a run.
+        """
+        if self.run_mixed is not None:
+            return self.alike(parameters)
+        return tuple(sorted(parameters.items()))
 
     def with_defaults(self, given: Parameters) -> dict[str, Value]:
         """Return all parameters, those given in their default's type.

@@ -11,6 +11,7 @@ import csv
 import io
 import json
 import math
+from collections import Counter
 from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
@@ -19,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.alignment.fewest_runs import FEWEST_RUNS
-from posflock_robotarium.sweep.store import ERROR, Row, Store
+from posflock_robotarium.sweep.store import ENGINE, ERROR, Row, Store
 from posflock_robotarium.sweep.study import Study
 from rps_compat.whole_files import atomic_write, write_whole
 
@@ -84,6 +85,21 @@ def of_other_code(study: Study, store: Store) -> int:
     )
 
 
+def engines(study: Study, rows: Sequence[Row]) -> dict[str, int]:
+    """Return how many runs were computed by whom, where an experiment has several engines.
+
+    Parameters
+    ----------
+    study : Study
+        Which runs of which experiment.
+    rows : sequence of Row
+        Its runs, as the store has them.
+    """
+    if study.experiment.engine is None:
+        return {}
+    return dict(Counter(str(row[ENGINE]) for row in rows if ENGINE in row))
+
+
 def outcomes(study: Study, rows: Sequence[Row]) -> list[str]:
     """Return the names of what came out of the runs, without what went in.
 
@@ -95,7 +111,7 @@ def outcomes(study: Study, rows: Sequence[Row]) -> list[str]:
         Its runs, as the store has them.
     """
     given = {"key", "point", "replication", "experiment", "study_seed", "version", "code"}
-    given |= set(study.experiment.defaults)
+    given |= {*study.experiment.defaults, *([ENGINE] if study.experiment.engine else [])}
     told = dict.fromkeys(name for row in succeeded(rows) for name in row)
     return [name for name in told if name not in given]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
@@ -59,38 +59,77 @@ def _profile_text(parameters: Parameters) -> str:
 
 
 def _run_robots(parameters: Parameters, seeds: Sequence[np.random.SeedSequence]) -> list[Outcome]:
+    return _run_mixed([parameters] * len(seeds), seeds)
+
+
+def _run_mixed(
+    parameters: Sequence[Parameters], seeds: Sequence[np.random.SeedSequence]
+) -> list[Outcome]:
+    """Compute runs that may differ in law, start and imperfections."""
+    runs = [_planned(one, seed) for one, seed in zip(parameters, seeds, strict=True)]
+    robots, duration = int(number(parameters[0], "robots")), number(parameters[0], "duration")
+    together = _teams_at_once(robots, runs[0].flock.steps_in(duration))
+    found: dict[int, Outcome] = {}
+    for real in (False, True):  # by themselves, since the ideal arena is compiled
+        alike = [k for k, run in enumerate(runs) if bool(run.profile.effects) is real]
+        for at in range(0, len(alike), together):
+            chosen = alike[at : at + together]
+            trials = _trials([runs[k] for k in chosen], duration)
+            found |= {k: _outcome(trial) for k, trial in zip(chosen, trials, strict=True)}
+    return [found[k] for k in range(len(runs))]
+
+
+@dataclass(frozen=True, eq=False)
+class _Planned:
+    """A run that is still to be computed."""
+
+    flock: Flock
+    profile: Profile
+    start: Floats
+    noise: int
+
+
+def _planned(parameters: Parameters, stream: np.random.SeedSequence) -> _Planned:
     flock, profile = _flock(parameters)
-    side, spacing = number(parameters, "side"), number(parameters, "spacing")
-    robots, duration = int(number(parameters, "robots")), number(parameters, "duration")
-    together = _teams_at_once(robots, flock.steps_in(duration))
-    found = []
-    for at in range(0, len(seeds), together):
-        streams = seeds[at : at + together]
-        starts = [
-            random_poses(robots, np.random.default_rng(stream), side=side, spacing=spacing)
-            for stream in streams
-        ]
-        noises = [_noise_of(stream) for stream in streams]
-        found += [_outcome(trial) for trial in _trials(flock, profile, starts, noises, duration)]
-    return found
+    start = random_poses(
+        int(number(parameters, "robots")),
+        np.random.default_rng(stream),
+        side=number(parameters, "side"),
+        spacing=number(parameters, "spacing"),
+    )
+    return _Planned(flock, profile, start, _noise_of(stream))
 
 
-def _trials(
-    flock: Flock, profile: Profile, starts: list[Floats], noises: list[int], duration: float
-) -> list[Trial]:
+def _trials(runs: Sequence[_Planned], duration: float) -> list[Trial]:
     """Compute trials, each to the same numbers in whatever company."""
-    compiled = duration >= _COMPILED_FROM and numba_is_installed()
-    if len(starts) == 1 and not compiled:  # bit for bit what numpy makes of many, and faster
-        return [simulate(flock, starts[0], duration, realism=profile.start(), seed=noises[0])]
+    first = runs[0]
+    compiled = _is_compiled(duration)
+    if len(runs) == 1 and not compiled:  # bit for bit what numpy makes of many, and faster
+        realism = first.profile.start()
+        return [simulate(first.flock, first.start, duration, realism=realism, seed=first.noise)]
     return simulate_teams(
-        flock,
-        starts,
+        first.flock,
+        [run.start for run in runs],
         duration,
-        seeds=noises,
-        realism=profile,
+        seeds=[run.noise for run in runs],
+        realism=[run.profile for run in runs],
+        laws=[run.flock.law for run in runs],
         engine="numba" if compiled else "numpy",
         threads=1,  # a study has a process for each processor
     )
+
+
+def _is_compiled(duration: float) -> bool:
+    return duration >= _COMPILED_FROM and numba_is_installed()
+
+
+def _engine(parameters: Parameters) -> str:
+    return "numba" if _is_compiled(number(parameters, "duration")) else "numpy"
+
+
+def _alike(parameters: Parameters) -> tuple[Value, ...]:
+    shared = ("robots", "duration", "walls")
+    return (*(parameters[name] for name in shared), parameters["profile"] == "ideal")
 
 
 def _teams_at_once(robots: int, steps: int) -> int:
@@ -134,5 +173,8 @@ register(
         together=32,
         check=_flock,
         reads=_profile_text,
+        run_mixed=_run_mixed,
+        alike=_alike,
+        engine=_engine,
     )
 )

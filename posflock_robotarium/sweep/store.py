@@ -40,6 +40,8 @@ Row = dict[str, Any]
 
 #: Where the row of a run that failed says why; it has no outcomes.
 ERROR = "run_error"
+#: Where a row says who computed it, where the last bits hang on that.
+ENGINE = "engine"
 
 #: Seconds of rows that a loss of power may cost.
 _SYNCHRONISE_EVERY = 1.0
