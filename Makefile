@@ -105,6 +105,7 @@ bench-nine: $(VENV)/.dev  ## the nine-robot experiment against its acceptance ta
 bench-barriers: $(VENV)/.dev  ## certificates: speed against the common way; 200,000 steps under attack; late robots
 	$(BIN)/python benchmarks/barrier_speed.py
 	$(BIN)/python benchmarks/barrier_safety.py
+	$(BIN)/python benchmarks/barrier_safety.py --steps 1632000 --teams 16 --engine numba
 	$(BIN)/python benchmarks/decentralised.py
 	$(BIN)/python benchmarks/staying_connected.py
 	$(BIN)/python benchmarks/late_robots.py

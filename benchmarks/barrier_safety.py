@@ -5,6 +5,10 @@ random commands, commands that attack (each robot drives at its nearest neighbou
 and commands to swap places. After every step: has a team that was safe become unsafe, has a limit
 been exceeded, has the program been without solution? All three must never happen.
 
+Teams of one size are driven together, in arrays. By default a single certificate answers for each,
+as on board; with ``--engine numba`` the compiled batch does, which is quick enough for a wider
+search: ``--teams`` says how many teams of each size and attack there are.
+
 Then the ellipse swap with limits in the program, and with limits clipped afterwards, for
 comparison; and what the arc of turning robots does where the certificate is not told the time step.
 """
@@ -15,15 +19,17 @@ import argparse
 import os
 import sys
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 for _variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")  # before NumPy reads it
 
 import numpy as np  # noqa: E402
 
+from barrier_certificates.batch import STATUSES, BatchCertificate, BatchInfo, Engine  # noqa: E402
 from barrier_certificates.single_integrator import SingleIntegratorCertificate  # noqa: E402
 from barrier_certificates.unicycle import UnicycleCertificate  # noqa: E402
+from rps_compat.batch.batch_effects import together  # noqa: E402
 
 STEP = 0.033
 ARENA = (-1.6, 1.6, -1.0, 1.0)
@@ -31,6 +37,7 @@ RADIUS, SPEED, TURN, WHEEL = 0.15, 0.2, 3.6, 12.5
 D, WHEEL_RADIUS, BASE = 0.05, 0.016, 0.105
 ALLOWED = 1e-9
 KINDS = ("random", "attack", "swap")
+SOLVED = [code for word in ("trivial", "optimal") for code, s in STATUSES.items() if s == word]
 
 
 @dataclass
@@ -44,7 +51,16 @@ class Tally:
     clearance: float = np.inf
     largest_violation: float = 0.0
     intervened: int = 0
-    statuses: dict[str, int] = field(default_factory=dict)
+
+    def count(self, info: BatchInfo, before: np.ndarray, excess: np.ndarray, teams: slice) -> None:
+        """Add what happened to some teams in a step."""
+        status, clearance = info.status[teams], info.clearance[teams]
+        self.turned_unsafe += np.count_nonzero((clearance < 0) & (before[teams] >= 0))
+        self.beyond_limit += np.count_nonzero(excess[teams] > ALLOWED)
+        self.without_solution += np.count_nonzero(~np.isin(status, SOLVED))
+        self.intervened += np.count_nonzero(status != SOLVED[0])
+        self.clearance = min(self.clearance, float(clearance.min()))
+        self.largest_violation = max(self.largest_violation, float(info.violation[teams].max()))
 
     def add(self, other: Tally) -> None:
         """Add what happened elsewhere."""
@@ -79,80 +95,124 @@ def scatter(number: int, rng: np.random.Generator) -> np.ndarray:
     return points
 
 
-def wish(kind: str, step: int, points: np.ndarray, state: dict[str, np.ndarray]) -> np.ndarray:
-    """Return commands of a kind, none of them careful."""
-    rng: np.random.Generator = state["rng"]  # type: ignore[assignment]
-    number = points.shape[1]
-    if kind == "random":
-        if step % 10 == 0:
-            state["held"] = rng.uniform(-2 * SPEED, 2 * SPEED, points.shape)
-        return state["held"]
-    if kind == "attack":
-        if step % 15 == 0:
-            state["at wall"] = rng.random(number) < 0.3
-        apart = points[:, None, :] - points[:, :, None]
-        nearest = (np.hypot(*apart) + 9 * np.eye(number)).argmin(axis=1)
-        way = np.where(state["at wall"], np.sign(points), points[:, nearest] - points)
-        return 2 * SPEED * way / np.maximum(np.hypot(*way), 1e-9)
-    way = state["goals"] - points
-    if np.hypot(*way).max() < 0.05:
-        state["goals"] = -state["goals"]
-    return 2 * way
+class Wishes:
+    """Commands of one kind for many teams, none of them careful.
+
+    Parameters
+    ----------
+    kind : str
+        Which of `KINDS`.
+    rngs : list of Generator
+        Where each team's chance comes from.
+    points : (T, 2, N) array
+        Where the teams start, m.
+    """
+
+    def __init__(self, kind: str, rngs: list[np.random.Generator], points: np.ndarray) -> None:
+        self.kind, self.rngs, self.goals = kind, rngs, -points
+        self.held = np.zeros(points.shape)
+        self.at_wall = np.zeros((len(rngs), 1, points.shape[2]), dtype=bool)
+
+    def __call__(self, step: int, points: np.ndarray) -> np.ndarray:
+        """Return what teams at these points (T, 2, N) want, m/s."""
+        number = points.shape[2]
+        if self.kind == "random":
+            if step % 10 == 0:
+                shape = points.shape[1:]
+                self.held = np.stack([r.uniform(-2 * SPEED, 2 * SPEED, shape) for r in self.rngs])
+            return self.held
+        if self.kind == "attack":
+            if step % 15 == 0:
+                self.at_wall = np.stack([[rng.random(number) < 0.3] for rng in self.rngs])
+            apart = points[:, :, None, :] - points[:, :, :, None]
+            nearest = (lengths(apart) + 9 * np.eye(number)).argmin(axis=2)
+            way = np.take_along_axis(points, nearest[:, None], axis=2) - points
+            way = np.where(self.at_wall, np.sign(points), way)
+            return 2 * SPEED * way / np.maximum(lengths(way), 1e-9)[:, None]
+        way = self.goals - points
+        self.goals[lengths(way).max(axis=1) < 0.05] *= -1.0  # from the next step on
+        return 2 * way
+
+
+def lengths(vectors: np.ndarray) -> np.ndarray:
+    """Return the lengths of vectors (T, 2, ...)."""
+    return np.hypot(vectors[:, 0], vectors[:, 1])
+
+
+def certificate_of(
+    unicycle: bool, gain: float, time_step: float
+) -> SingleIntegratorCertificate | UnicycleCertificate:
+    """Return what keeps teams apart."""
+    if not unicycle:
+        return SingleIntegratorCertificate(RADIUS, gain, boundary=ARENA, speed_limit=SPEED)
+    return UnicycleCertificate(
+        RADIUS, gain, boundary=ARENA, speed_limit=SPEED, turn_rate_limit=TURN, time_step=time_step
+    )
 
 
 def run(
-    number: int, unicycle: bool, kind: str, gain: float, steps: int, seed: int, time_step: float
-) -> Tally:
-    """Drive one team, and count."""
-    rng = np.random.default_rng(seed)
-    points = scatter(number, rng)
-    headings = rng.uniform(-np.pi, np.pi, number)
-    poses = np.vstack([points, headings])
-    certificate: SingleIntegratorCertificate | UnicycleCertificate
-    if unicycle:
-        poses[:2] -= D * np.stack([np.cos(headings), np.sin(headings)])
-        certificate = UnicycleCertificate(
-            RADIUS,
-            gain,
-            boundary=ARENA,
-            speed_limit=SPEED,
-            turn_rate_limit=TURN,
-            time_step=time_step,
-        )
-    else:
-        certificate = SingleIntegratorCertificate(RADIUS, gain, boundary=ARENA, speed_limit=SPEED)
-    state: dict[str, np.ndarray] = {"rng": rng, "goals": -points}  # type: ignore[dict-item]
-    tally, before = Tally(steps), np.inf
+    number: int,
+    certificate: SingleIntegratorCertificate | UnicycleCertificate,
+    kinds: tuple[str, ...],
+    seeds: list[int],
+    steps: int,
+    engine: Engine,
+) -> list[Tally]:
+    """Drive teams of one size, a seed each, under each kind of commands; count for each kind."""
+    rngs = [np.random.default_rng(seed) for _ in kinds for seed in seeds]
+    starts = np.stack([scatter(number, rng) for rng in rngs])
+    headings = np.stack([rng.uniform(-np.pi, np.pi, number) for rng in rngs])
+    poses = np.concatenate([starts, headings[:, None]], axis=1)
+    if isinstance(certificate, UnicycleCertificate):
+        poses[:, :2] -= D * np.stack([np.cos(headings), np.sin(headings)], axis=1)
+    parts = [slice(at, at + len(seeds)) for at in range(0, len(rngs), len(seeds))]
+    wishes = [
+        Wishes(kind, rngs[part], starts[part]) for kind, part in zip(kinds, parts, strict=True)
+    ]
+    batch = BatchCertificate(certificate, engine=engine, threads=1)
+    tallies = [Tally(steps * len(seeds)) for _ in kinds]
+    before = np.full(len(rngs), np.inf)
     for step in range(steps):
-        e = np.stack([np.cos(poses[2]), np.sin(poses[2])])
-        points = poses[:2] + D * e if unicycle else poses[:2]
-        command = wish(kind, step, points, state)
+        e = np.stack([np.cos(poses[:, 2]), np.sin(poses[:, 2])], axis=1)
+        points = poses[:, :2] + D * e if batch.distance else poses[:, :2].copy()
+        command = np.concatenate(
+            [wish(step, points[part]) for wish, part in zip(wishes, parts, strict=True)]
+        )
         if isinstance(certificate, UnicycleCertificate):
-            velocity, info = certificate.project(command, poses)
-            v, w = certificate.commands(velocity, poses)
+            velocity, info = batch.project(command, poses)
+            columns = certificate.commands(together(velocity), together(poses))
+            v, w = columns.reshape(2, len(rngs), number)
             wheel = (np.abs(v) + 0.5 * BASE * np.abs(w)) / WHEEL_RADIUS
-            excess = max(np.abs(v).max() - SPEED, np.abs(w).max() - TURN, wheel.max() - WHEEL)
-            poses = poses + STEP * np.stack([v * e[0], v * e[1], w])
+            excess = np.stack([np.abs(v) - SPEED, np.abs(w) - TURN, wheel - WHEEL]).max(axis=(0, 2))
+            poses = poses + STEP * np.stack([v * e[:, 0], v * e[:, 1], w], axis=1)
         else:
-            velocity, info = certificate(command, points)
-            excess = np.hypot(*velocity).max() - SPEED
-            poses[:2] += STEP * velocity
-        tally.turned_unsafe += info.clearance < 0 <= before
-        tally.beyond_limit += excess > ALLOWED
-        tally.without_solution += info.status not in ("trivial", "optimal")
-        tally.intervened += info.status != "trivial"
-        tally.clearance = min(tally.clearance, info.clearance)
-        tally.largest_violation = max(tally.largest_violation, info.violation)
+            velocity, info = batch(command, points)
+            excess = lengths(velocity).max(axis=1) - SPEED
+            poses[:, :2] += STEP * velocity
+        for tally, part in zip(tallies, parts, strict=True):
+            tally.count(info, before, excess, part)
         before = info.clearance
-    return tally
+    return tallies
 
 
-def campaign(unicycle: bool, kind: str, gain: float, steps: int, time_step: float = STEP) -> Tally:
-    """Drive teams of many sizes for so many steps altogether."""
+def campaign(
+    unicycle: bool,
+    kinds: tuple[str, ...],
+    gain: float,
+    steps: int,
+    teams: int,
+    engine: Engine,
+    time_step: float = STEP,
+) -> list[Tally]:
+    """Drive teams of many sizes, of each so many, for so many steps altogether; for each kind."""
     sizes = (2, 3, 4, 6, 9, 12, 16, 20)
-    total = Tally()
-    for seed, number in enumerate(sizes):
-        total.add(run(number, unicycle, kind, gain, steps // len(sizes), seed, time_step))
+    total = [Tally() for _ in kinds]
+    for first, number in enumerate(sizes):
+        seeds = [first + len(sizes) * team for team in range(teams)]
+        certificate = certificate_of(unicycle, gain, time_step)
+        found = run(number, certificate, kinds, seeds, steps // len(sizes), engine)
+        for one, tally in zip(total, found, strict=True):
+            one.add(tally)
     return total
 
 
@@ -193,14 +253,16 @@ def main() -> int:
     """Drive, count, print; return 1 where something became unsafe."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--steps", type=int, default=204_000, help="certified steps altogether")
-    steps = parser.parse_args().steps
+    parser.add_argument("--teams", type=int, default=1, help="of each size and kind of commands")
+    parser.add_argument("--engine", choices=("numpy", "numba"), default="numpy")
+    options = parser.parse_args()
     started, total = time.process_time(), Tally()
-    share = steps // (2 * len(KINDS) * 2)
+    share, how = options.steps // (2 * len(KINDS) * 2), (options.teams, options.engine)
     print(HEAD)
     for unicycle in (False, True):
         for gain in (100.0, 10_000.0):
-            for kind in KINDS:
-                tally = campaign(unicycle, kind, gain, share)
+            found = campaign(unicycle, KINDS, gain, share // options.teams, *how)
+            for kind, tally in zip(KINDS, found, strict=True):
                 model = "unicycles" if unicycle else "single integrators"
                 print(tally.line(f"{model}, {kind}, γ = {gain:g}"), flush=True)
                 total.add(tally)
@@ -215,7 +277,8 @@ def main() -> int:
 
     print("not required: certificates that are not told the time step (robots turn on arcs)")
     for gain in (500.0, 10_000.0):
-        tally = campaign(True, "attack", gain, share, time_step=0.0)
+        steps = share // options.teams
+        (tally,) = campaign(True, ("attack",), gain, steps, *how, time_step=0.0)
         print(tally.line(f"unicycles, attack, γ = {gain:g}"))
     print(f"{'holds' if holds else 'MISSED'} ({time.process_time() - started:.0f} s of CPU time)")
     return int(not holds)
