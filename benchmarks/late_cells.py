@@ -135,6 +135,16 @@ class Found:
     walls: float = np.inf
     obstacles: float = np.inf
     stopped: int = 0
+    broken: int = 0
+
+    def judged(self) -> Found:
+        """Return the same of one team with whether the promise was broken.
+
+        A disc goes on where nobody can give way, so that nothing is promised of discs to a team
+        that had to stop.
+        """
+        obstacles = self.obstacles if not self.stopped else np.inf
+        return replace(self, broken=int(min(self.pairs, self.walls, obstacles) < 0.0))
 
     def add(self, other: Found) -> Found:
         """Return both together."""
@@ -144,6 +154,7 @@ class Found:
             min(self.walls, other.walls),
             min(self.obstacles, other.obstacles),
             self.stopped + other.stopped,
+            self.broken + other.broken,
         )
 
 

@@ -109,7 +109,8 @@ def _drive(
         stopped += waited
         arena.step()
     return [
-        Found(steps, *map(float, least[:, team]), int(stopped[team])) for team in range(len(teams))
+        Found(steps, *map(float, least[:, team]), int(stopped[team])).judged()
+        for team in range(len(teams))
     ]
 
 
