@@ -90,6 +90,16 @@ def test_robots_of_any_law_and_kind_are_in_company_what_they_are_alone() -> None
         assert len({row["mean_speed"] for row in together}) == len(batch)
 
 
+def test_robots_share_how_many_they_are_how_long_they_drive_and_what_holds_them() -> None:
+    must = {"robots": [3, 4], "duration": [0.4, 0.5], "walls": ["steer", "certificate"]}
+    may = {"profile": ["gritsbot_x", "harsh"], "radius": [0.7, 0.8]}
+    study = parse_study({"experiment": "robots", "replications": 1, "grid": must | may})
+    made = batches(study.runs(), study.experiment)
+    assert [len(batch) for batch in made] == [4] * 8
+    for batch in made:
+        assert len({tuple(run.parameters[name] for name in must) for run in batch}) == 1
+
+
 def test_a_row_says_who_computed_it_and_a_sweep_by_whom_all_were(tmp_path: Path) -> None:
     with Store(tmp_path / "store") as store:
         execute(MIXED, store, locally(1))

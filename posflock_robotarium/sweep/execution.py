@@ -140,7 +140,7 @@ def batches(
     Parameters
     ----------
     runs : iterable of PlannedRun
-        The runs.
+        What is asked for; each is in one batch.
     experiment : Experiment
         What they are runs of: it says which and how many go together.
     workers : int
