@@ -21,6 +21,10 @@ from rps_compat.late_profiles import late_certificate
 from rps_compat.profiles import load_profile
 
 ENGINES = ("numba", "numpy") if numba_is_installed() else ("numpy",)
+COMPILED_OR_NOT = [
+    pytest.param(engine, marks=[pytest.mark.slow] if engine == "numba" else [])
+    for engine in ENGINES
+]
 SEEDS = (3, 1, 4, 159, 2)
 TIMED = replace(EXPERIMENT_CERTIFICATE, safety_radius=0.185, time_step=0.033)
 #: Metres that teams are put aside of the centre: at two walls they are steered, in a corner cut.
@@ -90,14 +94,15 @@ def own_laws() -> list[LawParameters]:
     return laws
 
 
+@pytest.mark.parametrize("engine", COMPILED_OR_NOT)
 @pytest.mark.parametrize("model", list(Model))
-def test_each_team_may_follow_a_law_of_its_own(model: Model) -> None:
+def test_each_team_may_follow_a_law_of_its_own(model: Model, engine: str) -> None:
     laws = own_laws()
     names = ("gritsbot_x", "ideal", "gritsbot_x", "harsh", "gternal")
     realism = [load_profile(name) for name in names]
     flock = Flock(model=model)
     many = simulate_teams(
-        flock, starts(), 1.0, seeds=SEEDS, realism=realism, laws=laws, engine="numpy"
+        flock, starts(), 1.0, seeds=SEEDS, realism=realism, laws=laws, engine=engine
     )
     for team, found in enumerate(many):
         own, real = Flock(laws[team], model=model), realism[team].start()
