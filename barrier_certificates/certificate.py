@@ -7,14 +7,15 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from barrier_certificates import checks, hearing
+from barrier_certificates import checks, given_parameters, hearing, per_robot
 from barrier_certificates.array_types import FloatArray
 from barrier_certificates.certificate_errors import ParameterError
 from barrier_certificates.deadlock import DeadlockMonitor, DeadlockParameters, tilt
+from barrier_certificates.per_robot import PerRobot, as_numbers
 from barrier_certificates.projection import Policy, ProjectionInfo, Projector, Status
 from barrier_certificates.projection.decentralised import DecentralisedProjector
 from barrier_certificates.projection.projector import largest_speed
@@ -37,6 +38,7 @@ from barrier_certificates.rows import (
 from barrier_certificates.rows.kept_links import require_connectivity
 from barrier_certificates.rows.linked_book import LinkedRowBook
 from barrier_certificates.rows.obstacles import listed
+from barrier_certificates.rows.unequal_pairs import pair_rows
 from barrier_certificates.step_memory import StepMemory
 
 __all__ = ["Certificate"]
@@ -85,25 +87,30 @@ class Certificate(ABC):
     Besides, it remembers which rows bound last time, which makes the next step faster but never
     changes its result, and for how long robots have been held, where it watches for that.
 
+    Radius, gains and margins are one number for all robots, or a sequence of one for each. Unequal
+    robots count as discs that must not overlap: two keep half the radius of the one and half of
+    the other.
+
     Parameters
     ----------
-    safety_radius : float
-        Smallest distance between two positions, m.
-    barrier_gain : float
+    safety_radius : float or (N,) array-like
+        Smallest distance between two positions, m. Of each robot: what it keeps from one of its own
+        size, twice the radius of its disc.
+    barrier_gain : float or (N,) array-like
         γ of pairs and obstacles, in 1/(m⁴ s): larger lets robots come closer faster. Zero: never
-        any closer.
-    unsafe_gain : float, optional
-        γ of pairs that are already too close; ``barrier_gain`` if None.
-    wall_gain : float, optional
+        any closer. Of two robots' the smaller counts.
+    unsafe_gain : float or (N,) array-like, optional
+        γ of pairs that are already too close; ``barrier_gain`` if None. Of two the larger counts.
+    wall_gain : float or (N,) array-like, optional
         γ of walls, in 1/(m² s), a unit of its own; the number of ``barrier_gain`` if None.
     pair_rows : bool
         Whether robots are kept apart from each other. Without, a control run shows what robots do
         on their own; ``clearance`` then is of walls and obstacles alone.
     boundary : (4,) or (2, W) array-like, optional
         The arena: (x_min, x_max, y_min, y_max), or the corners of a convex polygon in order, m.
-    wall_margin : float, optional
+    wall_margin : float or (N,) array-like, optional
         How far inside the walls positions stay, m; half the safety radius if None.
-    obstacle_margin : float, optional
+    obstacle_margin : float or (N,) array-like, optional
         How far from the surface of obstacles positions stay, m; half the safety radius if None.
     obstacles : sequence of Disc or Segment
         What robots stay away from; a call may say where they are by then.
@@ -116,7 +123,7 @@ class Certificate(ABC):
     decentralised : bool
         Whether each robot has a program of its own, with its share of each pair's row, instead of
         one for the team; see `barrier_certificates.projection.decentralised`.
-    shares : sequence of float, optional
+    shares : (N,) array-like, optional
         A positive number for each robot: of a pair's bound it takes its part of the sum. Half if
         None.
     deadlock : DeadlockParameters, optional
@@ -131,20 +138,31 @@ class Certificate(ABC):
     Raises
     ------
     ParameterError
-        If a parameter makes no sense; the message names it.
+        If a parameter makes no sense, or numbers are for teams of different sizes; the message
+        names it.
     SolverNotInstalledError
         If the solver asked for by name is not installed.
     """
 
-    safety_radius: float = 0.15
-    barrier_gain: float = 100.0
+    per_robot: ClassVar[tuple[str, ...]] = (
+        "safety_radius",
+        "barrier_gain",
+        "unsafe_gain",
+        "wall_gain",
+        "wall_margin",
+        "obstacle_margin",
+    )
+    """Which parameters may be sequences of one number for each robot."""
+
+    safety_radius: PerRobot = 0.15
+    barrier_gain: PerRobot = 100.0
     _: KW_ONLY
-    unsafe_gain: float | None = None
-    wall_gain: float | None = None
+    unsafe_gain: PerRobot | None = None
+    wall_gain: PerRobot | None = None
     pair_rows: bool = True
     boundary: Any = None
-    wall_margin: float | None = None
-    obstacle_margin: float | None = None
+    wall_margin: PerRobot | None = None
+    obstacle_margin: PerRobot | None = None
     obstacles: Sequence[Obstacle] = ()
     limits: LimitRows | None = None
     solver: str = "auto"
@@ -160,9 +178,11 @@ class Certificate(ABC):
     def __post_init__(self) -> None:
         object.__setattr__(self, "obstacles", listed(self.obstacles))
         if self.boundary is not None:
-            object.__setattr__(self, "boundary", _boundary(self.boundary))
+            points = given_parameters.boundary_points(self.boundary)
+            object.__setattr__(self, "boundary", points)
         if self.shares is not None:
-            object.__setattr__(self, "shares", _shares(self.shares))
+            object.__setattr__(self, "shares", given_parameters.shares_of(self.shares))
+        per_robot.settle(self, self.per_robot, self.checked)
         if self.checked:
             self.check()
         self.reset()
@@ -173,13 +193,15 @@ class Certificate(ABC):
         Raises
         ------
         ParameterError
-            If a parameter is out of its range, or a boundary encloses nothing.
+            If a parameter is out of its range, numbers are for teams of different sizes, or a
+            boundary encloses nothing.
         """
-        checks.positive("safety_radius", self.safety_radius, "of metres")
-        checks.not_negative("barrier_gain", self.barrier_gain)
+        per_robot.check_each(checks.positive, "safety_radius", self.safety_radius, "of metres")
+        per_robot.check_each(checks.not_negative, "barrier_gain", self.barrier_gain)
         for name in ("unsafe_gain", "wall_gain", "wall_margin", "obstacle_margin"):
             if getattr(self, name) is not None:
-                checks.not_negative(name, getattr(self, name))
+                per_robot.check_each(checks.not_negative, name, getattr(self, name))
+        per_robot.team_size({name: getattr(self, name) for name in (*self.per_robot, "shares")})
         checks.angle("tilt", self.tilt)
         if self.shares is not None and not self.decentralised:
             raise ParameterError(
@@ -195,7 +217,12 @@ class Certificate(ABC):
         if self.boundary is not None and len(self.boundary) == 4:
             x_min, x_max, y_min, y_max = self.boundary
             if not (x_min < x_max and y_min < y_max):
-                raise _no_boundary(self.boundary)
+                raise given_parameters.no_boundary(self.boundary)
+
+    @cached_property
+    def team_size(self) -> int | None:
+        """For how many robots there are numbers of their own; None where all are alike."""
+        return per_robot.team_size({name: getattr(self, name) for name in self.per_robot})
 
     def reset(self) -> None:
         """Forget the steps so far: which rows bound, and for how long robots have been held."""
@@ -238,7 +265,7 @@ class Certificate(ABC):
         walls = (rectangle if len(self.boundary) == 4 else polygon)(self.boundary)
         more = self._allowance()
         margin = self._half_radius(self.wall_margin) + more.walls
-        gain = self.barrier_gain if self.wall_gain is None else self.wall_gain
+        gain = as_numbers(self.barrier_gain if self.wall_gain is None else self.wall_gain)
         return WallRows(*walls, margin, gain, disturbance, more.unsafe_gain)
 
     def _allowance(self) -> RowAllowance:
@@ -257,9 +284,9 @@ class Certificate(ABC):
             )
         return Projector(self.solver, self.on_infeasible, self.options)
 
-    def _half_radius(self, margin: float | None) -> float:
+    def _half_radius(self, margin: PerRobot | None) -> float | FloatArray:
         """Return a margin, by default half the safety radius, m."""
-        return 0.5 * self.safety_radius if margin is None else margin
+        return 0.5 * as_numbers(self.safety_radius) if margin is None else as_numbers(margin)
 
     @cached_property
     def _memory(self) -> StepMemory:
@@ -269,16 +296,16 @@ class Certificate(ABC):
         obstacles = ObstacleRows(
             self.obstacles,
             self._half_radius(self.obstacle_margin) + more.obstacles,
-            self.barrier_gain,
+            as_numbers(self.barrier_gain),
             disturbance,
             more.unsafe_gain,
         )
         families = [family for family in (limits, walls, obstacles) if family is not None]
         pairs = None
         if self.pair_rows:
-            radius = self.safety_radius + more.pairs
+            radius = per_robot.widened(self.safety_radius, more.pairs)
             unsafe = self.unsafe_gain if more.unsafe_gain is None else more.unsafe_gain
-            pairs = PairRows(radius, self.barrier_gain, unsafe, disturbance)
+            pairs = pair_rows(radius, self.barrier_gain, unsafe, disturbance)
         top_speed = math.inf if limits is None else limits.top_speed
         deadlock = self.deadlock
         if deadlock is None and self.tilt:
@@ -351,34 +378,3 @@ class Certificate(ABC):
         checks.not_negative("within", within, "of metres")
         self._memory.place(self.obstacles if obstacles is None else obstacles)
         return self._memory.book.margins(scene, within)
-
-
-def _boundary(boundary: Any) -> tuple[Any, ...]:
-    """Return a boundary as nested tuples of floats, so that certificates can be written down."""
-    try:
-        points = np.asarray(boundary, dtype=float)
-    except (TypeError, ValueError):
-        raise _no_boundary(boundary) from None
-    if points.ndim == 2 and points.shape[0] == 2:
-        return tuple(tuple(float(c) for c in row) for row in points)
-    if points.size == 4:
-        return tuple(float(b) for b in points.reshape(-1))
-    raise _no_boundary(boundary)
-
-
-def _shares(shares: Any) -> tuple[float, ...]:
-    """Return shares as a tuple of floats, so that certificates can be written down."""
-    try:
-        numbers = np.asarray(shares, dtype=float)
-    except (TypeError, ValueError):
-        numbers = np.zeros(0)
-    if numbers.ndim != 1 or not numbers.size or not (np.isfinite(numbers) & (numbers > 0)).all():
-        raise ParameterError(f"shares are {shares!r}; expected a positive number for each robot")
-    return tuple(float(number) for number in numbers)
-
-
-def _no_boundary(boundary: Any) -> ParameterError:
-    return ParameterError(
-        f"boundary is {boundary!r}; expected (x_min, x_max, y_min, y_max) or the (2, W) corners of "
-        "a convex polygon, in metres"
-    )

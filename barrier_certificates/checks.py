@@ -95,7 +95,7 @@ def angle(name: str, value: float) -> None:
         raise ParameterError(f"{name} is {value!r}; expected a finite angle in radians")
 
 
-def columns(name: str, array: Any, rows: int) -> FloatArray:
+def columns(name: str, array: Any, rows: int, robots: int | None = None) -> FloatArray:
     """Return a team's array as floats, a column a robot.
 
     Parameters
@@ -106,6 +106,8 @@ def columns(name: str, array: Any, rows: int) -> FloatArray:
         What was given.
     rows : int
         Rows that it must have: 2 for positions and commands, 3 for poses.
+    robots : int, optional
+        Columns that it must have, where each robot has numbers of its own.
 
     Returns
     -------
@@ -115,7 +117,7 @@ def columns(name: str, array: Any, rows: int) -> FloatArray:
     Raises
     ------
     ShapeError
-        If it cannot be read as numbers, has another shape, or no column.
+        If it cannot be read as numbers, has another shape, no column or one for another robot.
     """
     try:
         values = np.asarray(array, dtype=np.float64)
@@ -124,6 +126,11 @@ def columns(name: str, array: Any, rows: int) -> FloatArray:
     if values.ndim != 2 or values.shape[0] != rows or values.shape[1] == 0:
         raise ShapeError(
             f"{name} have shape {values.shape}; expected ({rows}, N), a column a robot"
+        )
+    if robots is not None and values.shape[1] != robots:
+        raise ShapeError(
+            f"{name} have shape {values.shape}, but there are parameters for each of {robots}"
+            f" robots; expected ({rows}, {robots}), or parameters for this team"
         )
     return values
 
@@ -161,7 +168,9 @@ def require_finite(name: str, array: FloatArray) -> None:
         raise NotFiniteError(f"{name} hold NaN or infinity; expected finite numbers")
 
 
-def team(desired: Any, states: Any, name: str, rows: int) -> tuple[FloatArray, FloatArray]:
+def team(
+    desired: Any, states: Any, name: str, rows: int, robots: int | None = None
+) -> tuple[FloatArray, FloatArray]:
     """Return commands and the states that they are for, as floats.
 
     Parameters
@@ -174,6 +183,8 @@ def team(desired: Any, states: Any, name: str, rows: int) -> tuple[FloatArray, F
         What the error calls the states.
     rows : int
         Rows of the states: 2 or 3.
+    robots : int, optional
+        How many robots the team must have, where each has numbers of its own.
 
     Returns
     -------
@@ -185,9 +196,9 @@ def team(desired: Any, states: Any, name: str, rows: int) -> tuple[FloatArray, F
     Raises
     ------
     ShapeError
-        If either has another shape, or they are for different numbers of robots.
+        If either has another shape, or they are for different or wrong numbers of robots.
     """
-    commands, states = columns("commands", desired, 2), columns(name, states, rows)
+    commands, states = columns("commands", desired, 2), columns(name, states, rows, robots)
     if commands.shape[1] != states.shape[1]:
         raise ShapeError(
             f"commands are for {commands.shape[1]} robots, but there are {name} of "

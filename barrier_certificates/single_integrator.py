@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from barrier_certificates import checks
 from barrier_certificates.array_types import FloatArray
 from barrier_certificates.certificate import Certificate
+from barrier_certificates.per_robot import PerRobot, check_limit
 from barrier_certificates.projection import ProjectionInfo
 from barrier_certificates.rows import LimitRows, Margin, Obstacle, Scene, VelocityPolygon
+from barrier_certificates.rows.unequal_limits import UnequalLimitRows
 
 __all__ = ["SingleIntegratorCertificate"]
 
@@ -23,9 +25,9 @@ class SingleIntegratorCertificate(Certificate):
 
     Parameters
     ----------
-    speed_limit : float or None
+    speed_limit : float or (N,) array-like or None
         Largest speed, m/s: an octagon inscribed in the circle of the limit (for another shape, see
-        ``limits``); None means no limit.
+        ``limits``); None means no limit. Of all robots, or of each.
 
     Examples
     --------
@@ -35,18 +37,22 @@ class SingleIntegratorCertificate(Certificate):
     optimal ('robots 0 and 1',)
     """
 
+    per_robot: ClassVar[tuple[str, ...]] = (*Certificate.per_robot, "speed_limit")
+
     _: KW_ONLY
-    speed_limit: float | None = 0.2
+    speed_limit: PerRobot | None = 0.2
 
     def check(self) -> None:
         """Refuse parameters that make no sense."""
         super().check()
-        checks.positive_or_none("speed_limit", self.speed_limit, "of m/s, or None")
+        check_limit("speed_limit", self.speed_limit, "of m/s")
 
     def _motor_limits(self) -> LimitRows | None:
         if self.speed_limit is None:
             return None
-        return VelocityPolygon.octagon(self.speed_limit).rows()
+        if isinstance(self.speed_limit, tuple):
+            return UnequalLimitRows([VelocityPolygon.octagon(s) for s in self.speed_limit])
+        return VelocityPolygon.octagon(self.speed_limit).rows()  # type: ignore[arg-type]
 
     def __call__(
         self, desired: Any, positions: Any, obstacles: Sequence[Obstacle] | None = None
@@ -76,7 +82,7 @@ class SingleIntegratorCertificate(Certificate):
         InfeasibleError, NotFiniteError
             Under the policy ``"raise"``.
         """
-        desired, positions = checks.team(desired, positions, "positions", 2)
+        desired, positions = checks.team(desired, positions, "positions", 2, self.team_size)
         if not checks.finite(desired, positions):
             return self._refuse(desired)
         return self._certify(desired, Scene(positions), obstacles)
@@ -95,4 +101,5 @@ class SingleIntegratorCertificate(Certificate):
         obstacles : sequence of Disc or Segment, optional
             Obstacles as they are now, instead of those of the certificate.
         """
-        return self._margins(Scene(checks.columns("positions", positions, 2)), within, obstacles)
+        positions = checks.columns("positions", positions, 2, self.team_size)
+        return self._margins(Scene(positions), within, obstacles)

@@ -21,6 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass
+from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
@@ -29,6 +30,7 @@ from barrier_certificates import checks
 from barrier_certificates.array_types import FloatArray
 from barrier_certificates.certificate import Certificate
 from barrier_certificates.differential_drive import DifferentialDrive
+from barrier_certificates.per_robot import as_numbers
 from barrier_certificates.projection import ProjectionInfo, Status
 from barrier_certificates.rows import (
     LimitRows,
@@ -52,8 +54,9 @@ class UnicycleCertificate(Certificate, DifferentialDrive):
 
     Parameters
     ----------
-    safety_radius : float
-        Smallest distance between projection points, m: the centres' plus 2 d.
+    safety_radius : float or (N,) array-like
+        Smallest distance between projection points, m: the centres' plus 2 d. Of each robot with a
+        radius rᵢ of its own: 2 (rᵢ + dᵢ).
     robust_walls : bool
         Whether walls allow for the wheels' disturbance, as pairs and obstacles do.
 
@@ -72,6 +75,8 @@ class UnicycleCertificate(Certificate, DifferentialDrive):
     answers_late: ClassVar[bool] = False
     """Whether poses have to be brought to where robots come to rest, by `stops`, beforehand."""
 
+    per_robot: ClassVar[tuple[str, ...]] = (*Certificate.per_robot, *DifferentialDrive.per_robot)
+
     _: KW_ONLY
     robust_walls: bool = True
 
@@ -80,9 +85,13 @@ class UnicycleCertificate(Certificate, DifferentialDrive):
         Certificate.check(self)
         DifferentialDrive.check(self)
 
+    @cached_property
+    def look_ahead(self) -> float | FloatArray:
+        """How far ahead of their axles the projection points lie, float or (N,) array, m."""
+        return as_numbers(self.projection_distance)
+
     def _motor_limits(self) -> LimitRows | None:
-        limits = self.polygon()
-        return None if limits is None else limits.rows(turning=True)
+        return self.limit_rows()
 
     def _disturbance(self) -> WheelDisturbance | None:
         return self.disturbance()
@@ -118,7 +127,7 @@ class UnicycleCertificate(Certificate, DifferentialDrive):
         InfeasibleError, NotFiniteError
             Under the policy ``"raise"``.
         """
-        desired, poses = checks.team(desired, poses, "poses", 3)
+        desired, poses = checks.team(desired, poses, "poses", 3, self.team_size)
         if not checks.finite(desired, poses):
             return self._refuse(desired)
         return self._certify(desired, self._scene(poses), obstacles)
@@ -153,7 +162,7 @@ class UnicycleCertificate(Certificate, DifferentialDrive):
         InfeasibleError, NotFiniteError
             Under the policy ``"raise"``.
         """
-        desired, poses = checks.team(desired, poses, "poses", 3)
+        desired, poses = checks.team(desired, poses, "poses", 3, self.team_size)
         if not checks.finite(desired, poses):
             return self._refuse(desired)
         scene = self._scene(poses)
@@ -188,7 +197,7 @@ class UnicycleCertificate(Certificate, DifferentialDrive):
         ShapeError, NotFiniteError
             If the shapes do not fit, or anything is NaN or infinite.
         """
-        velocity, poses = checks.team(velocity, poses, "poses", 3)
+        velocity, poses = checks.team(velocity, poses, "poses", 3, self.team_size)
         checks.require_finite("velocities", velocity)
         checks.require_finite("poses", poses)
         return self._commands(velocity, np.stack([np.cos(poses[2]), np.sin(poses[2])]))
@@ -219,7 +228,7 @@ class UnicycleCertificate(Certificate, DifferentialDrive):
 
     def _commands(self, velocity: FloatArray, headings: FloatArray) -> FloatArray:
         (cos, sin), (x, y) = headings, velocity
-        distance, step = self.projection_distance, self.time_step
+        distance, step = self.look_ahead, self.time_step
         commands = np.empty_like(velocity)
         commands[0] = x * cos + y * sin
         commands[1] = (y * cos - x * sin) / distance
@@ -231,7 +240,7 @@ class UnicycleCertificate(Certificate, DifferentialDrive):
 
     def _means(self, commands: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return how fast commands move the projection points, ahead and aside, m/s."""
-        distance, step = self.projection_distance, self.time_step
+        distance, step = self.look_ahead, self.time_step
         if not step:
             return commands[0], distance * commands[1]
         # Beyond a quarter turn a step cannot be told from a shorter one.
@@ -253,11 +262,12 @@ class UnicycleCertificate(Certificate, DifferentialDrive):
         obstacles : sequence of Disc or Segment, optional
             Obstacles as they are now, instead of those of the certificate.
         """
-        return self._margins(self._scene(checks.columns("poses", poses, 3)), within, obstacles)
+        poses = checks.columns("poses", poses, 3, self.team_size)
+        return self._margins(self._scene(poses), within, obstacles)
 
     def _scene(self, poses: FloatArray) -> Scene:
         """Return where the projection points are, and the headings."""
         headings = np.empty((2, poses.shape[1]))
         np.cos(poses[2], out=headings[0])
         np.sin(poses[2], out=headings[1])
-        return Scene(poses[:2] + self.projection_distance * headings, headings)
+        return Scene(poses[:2] + self.look_ahead * headings, headings)

@@ -14,17 +14,19 @@ from barrier_certificates.batch.batch_info import BatchInfo, numbers_of
 from barrier_certificates.batch.certify import UNANSWERED, Answers, DriveModel, certify_teams
 from barrier_certificates.batch.compiling import Engine, is_compiled, over_teams
 from barrier_certificates.batch.layout import Recipe, TeamRows, recipe_of, rows_of
-from barrier_certificates.certificate import Certificate
+from barrier_certificates.certificate import Certificate, RowFamilies
 from barrier_certificates.certificate_errors import ParameterError, ShapeError
 from barrier_certificates.late.late_certificate import LateCertificate
 from barrier_certificates.late.stop_prediction import StopPrediction
 from barrier_certificates.projection import ProjectionInfo
-from barrier_certificates.rows import Obstacle
+from barrier_certificates.rows import Obstacle, ObstacleRows
 from barrier_certificates.rows.obstacles import listed, moved
 from barrier_certificates.single_integrator import SingleIntegratorCertificate
 from barrier_certificates.unicycle import UnicycleCertificate
 
 __all__ = ["BatchCertificate"]
+
+_NO_ROWS = RowFamilies(None, None, ObstacleRows((), 0.0, 0.0), None)
 
 _One = Callable[[Certificate, FloatArray, FloatArray, Any], tuple[FloatArray, ProjectionInfo]]
 
@@ -43,10 +45,16 @@ class BatchCertificate:
         What is kept apart, and how firmly.
     engine : {"auto", "numba", "numpy"}
         Who computes; ``"auto"`` is compiled where numba is installed and the certificate has
-        neither a solver of its own nor an eye on deadlocks or links, and is not decentralised.
+        neither a solver of its own nor an eye on deadlocks or links, is not decentralised, and has
+        no numbers of single robots.
     threads : int, optional
         How many parts of the teams are computed side by side at most; one for each processor if
         None.
+
+    Attributes
+    ----------
+    distance : float or (N,) array
+        How far ahead of the axle the projection points lie, m; 0 for robots without headings.
 
     Raises
     ------
@@ -76,10 +84,15 @@ class BatchCertificate:
         self.compiled = is_compiled(engine) and _can_be_compiled(certificate, engine)
         self._alone = replace(certificate)
         self._late = certificate if isinstance(certificate, LateCertificate) else None
-        distance = getattr(certificate, "projection_distance", 0.0)
+        unicycles = isinstance(certificate, UnicycleCertificate)
+        self.distance = getattr(certificate, "look_ahead", 0.0)
         step = getattr(certificate, "time_step", 0.0)
-        self._drive = DriveModel(distance, step, isinstance(certificate, UnicycleCertificate))
-        self._recipe = recipe_of(*self._alone.row_families(), cautious=self._late is not None)
+        # Compiled code knows one number for all robots, and is not asked where there are others.
+        equal = certificate.team_size is None
+        distance = self.distance if isinstance(self.distance, float) else 0.0
+        self._drive = DriveModel(distance, step, unicycles)
+        families = self._alone.row_families() if equal else _NO_ROWS
+        self._recipe = recipe_of(*families, cautious=self._late is not None)
         self._teams = (0, 0)
         self._lay_out()
         self.reset()
@@ -199,11 +212,6 @@ class BatchCertificate:
     def answers_late(self) -> bool:
         """Whether robots are late, so that commands are remembered from step to step."""
         return self._late is not None
-
-    @property
-    def distance(self) -> float:
-        """How far ahead of the axle the projection points lie, m; 0 for robots without headings."""
-        return self._drive.distance
 
     def prepared(self, poses: FloatArray) -> tuple[Recipe, DriveModel, TeamRows, Answers]:
         """Return what compiled rollouts take; the answers are those of this certificate.
@@ -342,14 +350,15 @@ def _can_be_compiled(certificate: Certificate, engine: Engine) -> bool:
     """Whether compiled code does all that a certificate asks for; refuse it if it was asked for."""
     single = certificate.solver == "auto" and certificate.deadlock is None and not certificate.tilt
     single = single and not certificate.decentralised and certificate.connectivity is None
+    single = single and certificate.team_size is None
     known = (SingleIntegratorCertificate, UnicycleCertificate)
     if single and certificate.checked and isinstance(certificate, known):
         return True
     if engine == "numba":
         raise ParameterError(
             f"engine is 'numba' for {certificate!r}; expected a checked certificate with solver"
-            " 'auto', for the whole team, without deadlock, tilt and connectivity; engine 'auto' or"
-            " 'numpy' takes any"
+            " 'auto', for the whole team, without deadlock, tilt and connectivity, and one number"
+            " for all robots in place of one for each; engine 'auto' or 'numpy' takes any"
         )
     return False
 

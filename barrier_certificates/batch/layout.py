@@ -3,7 +3,7 @@
 A certificate's families of rows hold their numbers in objects; here they stand in tuples of arrays,
 in the order in which the row book of a single team lays the rows out: limits, walls, obstacles,
 each side by side and robot by robot, then the pairs. A row touches one robot, or two with opposite
-coefficients, so each is two robots, one vector and a bound.
+coefficients, so each is two robots, one vector and a bound. All robots are equal.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from barrier_certificates.array_types import FloatArray, IntArray
+from barrier_certificates.per_robot import largest
 from barrier_certificates.rows import LimitRows, ObstacleRows, PairRows, WallRows
 
 
@@ -140,4 +141,4 @@ def rows_of(recipe: Recipe, number: int) -> TeamRows:
 def _sizes(rows: WallRows | ObstacleRows | None) -> tuple[float, float]:
     if rows is None or rows.disturbance is None:
         return 0.0, 0.0
-    return rows.disturbance.along, rows.disturbance.across
+    return largest(rows.disturbance.along), largest(rows.disturbance.across)

@@ -21,6 +21,7 @@ from scipy.spatial import cKDTree
 
 from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.late.late_margins import LateMargins
+from barrier_certificates.per_robot import PerRobot, as_numbers, largest
 from barrier_certificates.rows import ObstacleRows, Rows, Scene, WallRows
 from barrier_certificates.rows.pairs import COINCIDENT
 from barrier_certificates.rows.row_family import WORLD
@@ -51,8 +52,9 @@ class CautiousRows:
     ----------
     margins : LateMargins
         What robots may do beside what they are told.
-    radius : float
-        What is kept between two stop points, m.
+    radius : float or (N,) array-like
+        What is kept between two stop points, m; of unequal robots half of the one's and half of the
+        other's.
 
     Attributes
     ----------
@@ -60,9 +62,10 @@ class CautiousRows:
         How many rows were added at last.
     """
 
-    def __init__(self, margins: LateMargins, radius: float) -> None:
+    def __init__(self, margins: LateMargins, radius: PerRobot) -> None:
         self._margins = margins
-        self._radius = radius
+        self._widest = largest(radius)
+        self._half = 0.5 * as_numbers(radius)
         self.number = 0
 
     def added(
@@ -107,10 +110,13 @@ class CautiousRows:
         points = scene.positions
         close: IntArray = np.zeros((2, 0), dtype=np.intp)
         if points.shape[1] > 1:
-            found = cKDTree(points.T).query_pairs(self._radius, output_type="ndarray")
+            found = cKDTree(points.T).query_pairs(self._widest, output_type="ndarray")
             close = found.T[:, np.lexsort(found.T[::-1])]
         offset = points[:, close[0]] - points[:, close[1]]
         distance = np.maximum(np.hypot(offset[0], offset[1]), COINCIDENT)
+        if isinstance(self._half, np.ndarray):  # which of them are closer than these two may be
+            kept = distance <= self._half[close[0]] + self._half[close[1]]
+            close, offset, distance = close[:, kept], offset[:, kept], distance[kept]
         doubt = np.arcsin(np.minimum(1.0, 2.0 * self._margins.stop_error / distance))
         return _Close(close, offset / distance, np.zeros(doubt.shape), doubt)
 

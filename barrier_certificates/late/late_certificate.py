@@ -7,16 +7,24 @@ from dataclasses import KW_ONLY, dataclass, field, fields
 from functools import cached_property
 from typing import Any, ClassVar
 
+import numpy as np
+
 from barrier_certificates import checks
 from barrier_certificates.array_types import FloatArray
 from barrier_certificates.certificate import RowAllowance
 from barrier_certificates.certificate_errors import ParameterError
 from barrier_certificates.guarantee import largest_gain, largest_wall_gain
 from barrier_certificates.late.cautious_rows import CautiousRows
-from barrier_certificates.late.late_margins import LateMargins, limits_of, margins_of
+from barrier_certificates.late.late_margins import (
+    LateMargins,
+    limits_of_each,
+    margins_of,
+    worst_of,
+)
 from barrier_certificates.late.late_robots import LateRobots
 from barrier_certificates.late.stop_prediction import StopPrediction
 from barrier_certificates.late.waiting import WaitingProjector
+from barrier_certificates.per_robot import PerRobot, largest, smallest, widened
 from barrier_certificates.projection import Policy, ProjectionInfo, Projector
 from barrier_certificates.rows import Obstacle, Rows, Scene
 from barrier_certificates.rows.obstacles import moved
@@ -31,29 +39,30 @@ class LateGuarantee:
 
     Parameters
     ----------
-    pairs : float or None
-        Projection points of two robots are kept at least this far apart, m; None without pairs.
-    walls : float or None
+    pairs : float or (N,) array-like or None
+        Projection points of two robots are kept at least this far apart, m; of unequal robots half
+        of the one's and half of the other's; None without pairs.
+    walls : float or (N,) array-like or None
         And this far inside the walls, m; None without walls.
-    obstacles : float or None
+    obstacles : float or (N,) array-like or None
         And this far from obstacles, m; None without obstacles.
-    stops_apart : float
-        How far the certificate keeps their stop points apart for that, m.
+    stops_apart : float or (N,) array-like
+        How far the certificate keeps their stop points apart for that, m, likewise.
     cannot : tuple of str
         Why nothing is promised; empty where something is.
     """
 
-    pairs: float | None
-    walls: float | None
-    obstacles: float | None
-    stops_apart: float
+    pairs: PerRobot | None
+    walls: PerRobot | None
+    obstacles: PerRobot | None
+    stops_apart: PerRobot
     cannot: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         if self.cannot:
             return "nothing is promised: " + "; ".join(self.cannot)
         kept = [
-            f"{what} at least {1e3 * distance:.0f} mm {where}"
+            f"{what} at least {_millimetres(distance)} {where}"
             for what, distance, where in (
                 ("projection points", self.pairs, "apart"),
                 ("them", self.walls, "inside the walls"),
@@ -62,6 +71,12 @@ class LateGuarantee:
             if distance is not None
         ]
         return "kept: " + ", ".join(kept) if kept else "nothing is kept from anything"
+
+
+def _millimetres(distance: PerRobot) -> str:
+    """Return a distance in words; of unequal robots that of each, in their order."""
+    numbers = distance if isinstance(distance, tuple) else (distance,)
+    return "/".join(f"{1e3 * number:.0f}" for number in numbers) + " mm"
 
 
 @dataclass(frozen=True)
@@ -73,7 +88,8 @@ class LateCertificate(UnicycleCertificate):
     points certified uses `stops`, then `project` and `commands` with these, then `sent`.
 
     Radius and margins are what is kept between the true projection points. Between stop points it
-    keeps more, by `margins_of` for the robots given; `info` tells of stop points. Where no velocity
+    keeps more, by `margins_of` for the robots given, of unequal ones for the worst; `info` tells of
+    stop points. Where no velocity
     satisfies all rows, robots that are too close stop, and where that is not enough everybody,
     which keeps stop points where they are.
 
@@ -120,8 +136,8 @@ class LateCertificate(UnicycleCertificate):
         certificate: UnicycleCertificate,
         robots: LateRobots,
         *,
-        barrier_gain: float | None = None,
-        wall_gain: float | None = None,
+        barrier_gain: PerRobot | None = None,
+        wall_gain: PerRobot | None = None,
         obstacle_speed: float = 0.0,
     ) -> LateCertificate:
         """Return a certificate for late robots that keeps what another keeps for ideal ones.
@@ -132,7 +148,7 @@ class LateCertificate(UnicycleCertificate):
             What is kept apart, and the limits.
         robots : LateRobots
             How late and how exactly they answer.
-        barrier_gain, wall_gain : float, optional
+        barrier_gain, wall_gain : float or (N,) array-like, optional
             Gains, where they are not those of the other.
         obstacle_speed : float
             No obstacle is faster, m/s.
@@ -164,44 +180,56 @@ class LateCertificate(UnicycleCertificate):
         margins = self.late_margins
         step, speed = margins.hold, margins.top_speed
         faster = max(self.robots.gain, 1.0)
-        radius = self.safety_radius + self._allowance().pairs
+        radius = self._stops_apart
         wall_gain = self.barrier_gain if self.wall_gain is None else self.wall_gain
-        for name, gain, largest in (
+        for name, gain, most in (
             ("barrier_gain", self.barrier_gain, largest_gain(radius, speed, step)),
             ("wall_gain", wall_gain, largest_wall_gain(speed, step)),
         ):
-            if gain * faster > largest:
+            firmest = largest(gain)
+            if firmest * faster > most:
                 raise ParameterError(
-                    f"{name} is {gain:g}; robots that drive on for {step:g} s at {speed:.3g} m/s"
-                    f" admit {largest / faster:.3g} at most"
+                    f"{name} is {firmest:g}; robots that drive on for {step:g} s at {speed:.3g} m/s"
+                    f" admit {most / faster:.3g} at most"
                 )
 
     @cached_property
     def late_margins(self) -> LateMargins:
         """What it costs that robots are late."""
-        return margins_of(self.robots, limits_of(self))
+        return worst_of([margins_of(self.robots, limits) for limits in limits_of_each(self)])
 
     def guarantee(self) -> LateGuarantee:
         """Return what is kept between the true projection points, if it holds at the start."""
         cannot = list(self.robots.unbounded)
         if self.on_infeasible != "stop":
             cannot.append(f"on_infeasible is {self.on_infeasible!r}, expected 'stop'")
+
+        def kept(margin: PerRobot | None) -> PerRobot:
+            numbers = self._half_radius(margin)
+            return tuple(numbers.tolist()) if isinstance(numbers, np.ndarray) else numbers
+
         return LateGuarantee(
             self.safety_radius if self.pair_rows else None,
-            None if self.boundary is None else self._half_radius(self.wall_margin),
-            self._half_radius(self.obstacle_margin) if self.obstacles else None,
-            self.safety_radius + self._allowance().pairs,
+            None if self.boundary is None else kept(self.wall_margin),
+            kept(self.obstacle_margin) if self.obstacles else None,
+            self._stops_apart,
             tuple(cannot),
         )
 
     def _allowance(self) -> RowAllowance:
-        margins, near = self.late_margins, self._half_radius(self.obstacle_margin)
+        margins, near = self.late_margins, np.min(self._half_radius(self.obstacle_margin))
         return RowAllowance(
-            margins.pair(self.safety_radius),
+            # The smaller a distance, the more is lost on a curve around it.
+            margins.pair(smallest(self.safety_radius)),
             margins.wall(),
-            margins.obstacle(max(near, 1e-3), self.obstacle_speed),
+            margins.obstacle(max(float(near), 1e-3), self.obstacle_speed),
             unsafe_gain=0.0,  # what is unsafe is the business of cautious rows
         )
+
+    @cached_property
+    def _stops_apart(self) -> PerRobot:
+        """How far stop points are kept apart, m."""
+        return widened(self.safety_radius, self._allowance().pairs)
 
     @cached_property
     def _prediction(self) -> StopPrediction:
@@ -209,7 +237,7 @@ class LateCertificate(UnicycleCertificate):
 
     @cached_property
     def _cautious(self) -> CautiousRows:
-        return CautiousRows(self.late_margins, self.safety_radius + self._allowance().pairs)
+        return CautiousRows(self.late_margins, self._stops_apart)
 
     def reset(self) -> None:
         """Forget the steps so far: the robots have stood still."""
@@ -239,7 +267,7 @@ class LateCertificate(UnicycleCertificate):
         if elapsed is not None:
             checks.positive("elapsed", elapsed, "of seconds")
             self._prediction.elapsed(elapsed)
-        return self._prediction.stops(checks.columns("poses", poses, 3))
+        return self._prediction.stops(checks.columns("poses", poses, 3, self.team_size))
 
     def sent(self, commands: Any) -> None:
         """Take note of the commands that robots are sent.
@@ -254,7 +282,7 @@ class LateCertificate(UnicycleCertificate):
         ShapeError, NotFiniteError
             If the shape does not fit, or anything is NaN or infinite.
         """
-        commands = checks.columns("commands", commands, 2)
+        commands = checks.columns("commands", commands, 2, self.team_size)
         checks.require_finite("commands", commands)
         self._prediction.sent(commands)
 

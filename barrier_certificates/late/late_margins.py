@@ -7,13 +7,14 @@ the formulas are those of ``docs/explanations/late-robots.md``, in which they ha
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 
 from barrier_certificates.certificate_errors import ParameterError
 from barrier_certificates.differential_drive import DifferentialDrive
 from barrier_certificates.late.late_robots import LateRobots, half, middle
 
-__all__ = ["CommandLimits", "LateMargins", "limits_of", "margins_of"]
+__all__ = ["CommandLimits", "LateMargins", "limits_of", "limits_of_each", "margins_of", "worst_of"]
 
 _WIDEST = math.radians(75.0)
 
@@ -38,30 +39,46 @@ class CommandLimits:
     time_step: float
 
 
-def limits_of(drive: DifferentialDrive) -> CommandLimits:
+def limits_of(drive: DifferentialDrive, robot: int | None = None) -> CommandLimits:
     """Return what the commands of a robot keep to, its wheels' limit included.
 
     Parameters
     ----------
     drive : DifferentialDrive
-        The robot; a certificate for unicycles is one.
+        The robots; a certificate for unicycles is one.
+    robot : int, optional
+        Which robot; None is for any of a team of equal robots.
 
     Raises
     ------
     ParameterError
-        If speed or turn rate has no limit.
+        If speed or turn rate has no limit, or robots have limits of their own and none is named.
     """
-    speed, rate = drive.speed_limit, drive.turn_rate_limit
-    if drive.wheel_limit is not None:
-        rim = drive.wheel_limit * drive.wheel_radius
-        turn = 2.0 * rim / drive.base_length
+    one = drive.of_robot(robot)
+    speed, rate = one.speed_limit, one.turn_rate_limit
+    if one.wheel_limit is not None:
+        rim = one.wheel_limit * one.wheel_radius
+        turn = 2.0 * rim / one.base_length
         speed = rim if speed is None else min(speed, rim)
         rate = turn if rate is None else min(rate, turn)
     if speed is None or rate is None:
         raise ParameterError(
             "late robots need limits: expected speed_limit and turn_rate_limit, or wheel_limit"
         )
-    return CommandLimits(speed, rate, drive.projection_distance, drive.time_step)
+    return CommandLimits(speed, rate, one.projection_distance, one.time_step)
+
+
+def limits_of_each(drive: DifferentialDrive) -> tuple[CommandLimits, ...]:
+    """Return what the commands of each robot keep to; of equal robots once.
+
+    Parameters
+    ----------
+    drive : DifferentialDrive
+        The robots; a certificate for unicycles is one.
+    """
+    if drive.drives is None:
+        return (limits_of(drive),)
+    return tuple(limits_of(drive, robot) for robot in range(drive.drives))
 
 
 @dataclass(frozen=True)
@@ -156,6 +173,9 @@ class LateMargins:
         return (speed * self.lag) ** 2 / (2.0 * distance) if self.lag else 0.0
 
 
+_ENTRIES = fields(LateMargins)
+
+
 def margins_of(robots: LateRobots, limits: CommandLimits) -> LateMargins:
     """Return what late robots cost.
 
@@ -228,6 +248,18 @@ def margins_of(robots: LateRobots, limits: CommandLimits) -> LateMargins:
         delay=robots.delay,
         lag=lag,
     )
+
+
+def worst_of(margins: Sequence[LateMargins]) -> LateMargins:
+    """Return what the worst of some robots costs, number by number.
+
+    Parameters
+    ----------
+    margins : sequence of LateMargins
+        Those of each robot.
+    """
+    found = {entry.name: max(getattr(one, entry.name) for one in margins) for entry in _ENTRIES}
+    return LateMargins(**found | {"weakest": min(one.weakest for one in margins)})
 
 
 def _skew(robots: LateRobots, sideways: float) -> tuple[float, float, float]:

@@ -19,6 +19,7 @@ import numpy as np
 
 from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.certificate_errors import ParameterError
+from barrier_certificates.per_robot import PerRobot
 from barrier_certificates.rows.row_family import Scene
 
 
@@ -28,12 +29,13 @@ class WheelDisturbance:
 
     Parameters
     ----------
-    along, across : float
-        The largest unwanted velocities along the heading and across it, m/s.
+    along, across : float or (N,) array-like
+        The largest unwanted velocities along the heading and across it, m/s: of all robots, or of
+        each.
     """
 
-    along: float
-    across: float
+    along: PerRobot
+    across: PerRobot
 
     def worst(self, scene: Scene, robots: IntArray, normals: FloatArray) -> FloatArray:
         """Return how much each row may lose through its robot's wheels.
@@ -61,11 +63,18 @@ class WheelDisturbance:
             raise ParameterError("a wheel disturbance needs robots that have headings")
         cos, sin = scene.headings.take(robots, axis=1)
         x, y = normals
-        along = np.abs(x * cos + y * sin) * self.along
-        across = np.abs(y * cos - x * sin) * self.across
+        along = np.abs(x * cos + y * sin) * _of_rows(self.along, robots)
+        across = np.abs(y * cos - x * sin) * _of_rows(self.across, robots)
         # The worst corner of a rhombus is one of its four.
         return np.asarray(np.maximum(along, across))
 
     def top_speed(self) -> float:
         """Speed that the disturbance alone can give the point, m/s; never less than it is."""
-        return math.hypot(self.along, self.across)
+        if isinstance(self.along, tuple) and isinstance(self.across, tuple):
+            return max(map(math.hypot, self.along, self.across))
+        return math.hypot(self.along, self.across)  # type: ignore[arg-type]
+
+
+def _of_rows(size: PerRobot, robots: IntArray) -> float | FloatArray:
+    """Return what counts for the robot in each row."""
+    return np.take(size, robots) if isinstance(size, tuple) else size  # type: ignore[return-value]

@@ -29,6 +29,7 @@ import numpy as np
 from barrier_certificates import checks, ties
 from barrier_certificates.array_types import BoolArray, FloatArray, IntArray
 from barrier_certificates.certificate_errors import ParameterError, ShapeError
+from barrier_certificates.per_robot import PerRobot, as_numbers
 from barrier_certificates.rows.disturbance import WheelDisturbance
 from barrier_certificates.rows.links import LinkBarrier
 
@@ -249,15 +250,16 @@ def spanning_tree(length: FloatArray) -> IntArray:
     return tree
 
 
-def require_connectivity(connectivity: Any, safety_radius: float) -> None:
+def require_connectivity(connectivity: Any, safety_radius: PerRobot) -> None:
     """Refuse what is no connectivity, and a range within which robots must not come.
 
     Parameters
     ----------
     connectivity : ConnectivityParameters
         What was given.
-    safety_radius : float
-        What is kept between two positions, m.
+    safety_radius : float or (N,) array-like
+        What is kept between two positions, m; of unequal robots half of the one's and half of the
+        other's.
 
     Raises
     ------
@@ -268,11 +270,23 @@ def require_connectivity(connectivity: Any, safety_radius: float) -> None:
         raise ParameterError(
             f"connectivity is {connectivity!r}; expected ConnectivityParameters or None"
         )
-    if not connectivity.communication_range > safety_radius:
+    apart = _closest(connectivity.links, safety_radius)
+    if not connectivity.communication_range > apart:
         raise ParameterError(
             f"communication_range is {connectivity.communication_range:g} m; expected more than"
-            f" the {safety_radius:g} m that robots are kept apart"
+            f" the {apart:g} m that robots are kept apart"
         )
+
+
+def _closest(links: Choice | Sequence[tuple[int, int]], safety_radius: PerRobot) -> float:
+    """Return how far apart robots that have to be linked are kept at least, m."""
+    half = 0.5 * as_numbers(safety_radius)
+    if not isinstance(half, np.ndarray):
+        return 2.0 * half
+    if isinstance(links, str):  # the largest robot has a link, be it to the smallest
+        return float(half.max() + half.min())
+    named = [float(half[i] + half[j]) for i, j in links if j < half.shape[0]]
+    return max(named, default=0.0)  # who names robots that there are not is refused by the team
 
 
 def _pairs(links: Any) -> tuple[tuple[int, int], ...]:

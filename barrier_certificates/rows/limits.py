@@ -73,10 +73,14 @@ class LimitRows(RowFamily):
         if self.turning:
             if scene.headings is None:
                 raise ParameterError("limits fixed to the body need the headings of the robots")
-            shape = (len(self.names), scene.headings.shape[1])
-            np.matmul(self._turned[0], scene.headings, out=coefficient[0].reshape(shape))
-            np.matmul(self._turned[1], scene.headings, out=coefficient[1].reshape(shape))
+            self._turn(scene.headings, coefficient)
         return NOTHING_NEAR
+
+    def _turn(self, headings: FloatArray, coefficient: FloatArray) -> None:
+        """Write each normal, turned by the heading of its robot."""
+        shape = (len(self.names), headings.shape[1])
+        np.matmul(self._turned[0], headings, out=coefficient[0].reshape(shape))
+        np.matmul(self._turned[1], headings, out=coefficient[1].reshape(shape))
 
     def measure(self, scene: Scene) -> tuple[FloatArray, FloatArray]:
         """Return nothing: limits have no barrier."""
@@ -150,8 +154,23 @@ class VelocityPolygon:
 
     def without_idle_sides(self) -> VelocityPolygon:
         """Leave out the sides that the others imply, and repeated ones."""
-        if not self._closed() or not np.all(self.bounds > 0.0):
-            return self
+        return self.with_sides(self.needed_sides()) if self._encloses() else self
+
+    def with_sides(self, kept: Sequence[int]) -> VelocityPolygon:
+        """Return the polygon of some sides alone.
+
+        Parameters
+        ----------
+        kept : sequence of int
+            Their indices.
+        """
+        names = tuple(self.names[side] for side in kept)
+        return VelocityPolygon(self.normals[:, kept], self.bounds[kept], names)
+
+    def needed_sides(self) -> list[int]:
+        """Return the sides that others do not imply, each once; all, where it is open or a line."""
+        if not self._encloses():
+            return list(range(len(self.names)))
         vertices = self._vertices()
         touch = np.abs(self.normals.T @ vertices - self.bounds[:, None]) < 1e-12
         # A side belongs to the polygon when two different vertices lie on it.
@@ -165,8 +184,7 @@ class VelocityPolygon:
             )
             if spread > 1e-12 and not repeated:
                 kept.append(side)
-        names = tuple(self.names[side] for side in kept)
-        return VelocityPolygon(self.normals[:, kept], self.bounds[kept], names)
+        return kept
 
     def rows(self, turning: bool = False) -> LimitRows:
         """Return the rows of the polygon.
@@ -177,6 +195,10 @@ class VelocityPolygon:
             Whether it turns with the headings, or is fixed in the plane.
         """
         return LimitRows(self.normals, self.bounds, self.names, turning, self.top_speed())
+
+    def _encloses(self) -> bool:
+        """Whether it has an inside, and no way out."""
+        return self._closed() and bool(np.all(self.bounds > 0.0))
 
     def _closed(self) -> bool:
         """Whether the normals leave no half-plane uncovered."""

@@ -164,9 +164,10 @@ class ObstacleRows(RowFamily):
     ----------
     obstacles : sequence of Disc or Segment
         What to stay away from.
-    margin : float
-        Smallest distance between a position and the surface of an obstacle, m.
-    gain : float
+    margin : float or (N,) array
+        Smallest distance between a position and the surface of an obstacle, m: all robots alike, or
+        each.
+    gain : float or (N,) array
         γ, in 1/(m⁴ s).
     disturbance : WheelDisturbance, optional
         What the wheels may do on their own; rows then hold for the worst of it.
@@ -179,8 +180,8 @@ class ObstacleRows(RowFamily):
     def __init__(
         self,
         obstacles: Sequence[Obstacle],
-        margin: float,
-        gain: float,
+        margin: float | FloatArray,
+        gain: float | FloatArray,
         disturbance: WheelDisturbance | None = None,
         unsafe_gain: float | None = None,
         weight: float = 1e6,
@@ -230,7 +231,7 @@ class ObstacleRows(RowFamily):
         closing = (offset * self._velocity).sum(axis=0)
         coefficient[:2] = -offset.reshape(2, -1)
         half_gain: float | FloatArray = 0.5 * self.gain
-        if self.unsafe_gain != self.gain:
+        if self.unsafe_gain is not self.gain:
             half_gain = np.where(h < 0.0, 0.5 * self.unsafe_gain, half_gain)
         bound[:] = (half_gain * h**3 / distance - closing).reshape(-1)
         if self.disturbance is not None:

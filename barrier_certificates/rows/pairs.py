@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.rows.disturbance import WheelDisturbance
@@ -69,19 +70,35 @@ class PairRows:
         Barrier
             The one of least clearance.
         """
-        first, second = pairs
-        offset = scene.positions.take(first, axis=1)
-        offset -= scene.positions.take(second, axis=1)
-        square = offset[0] * offset[0]
-        square += offset[1] * offset[1]
+        offset, square = self._apart(scene, pairs)
         if not square.shape[0]:
             return NOTHING_NEAR
         row = int(square.argmin())  # a tenth of what min costs on small arrays
         nearest = float(square[row])
         if nearest < COINCIDENT**2:
-            square = _part_coincident(offset, square, pairs)
+            square = part_coincident(offset, square, pairs)
         h = square - self.radius**2
         smallest = nearest - self.radius**2
+        scale = self._write_normals(offset, square, coefficient)
+        if smallest < 0.0 and self.unsafe_gain != self.gain:
+            scale *= np.where(h < 0.0, 0.5 * self.unsafe_gain, 0.5 * self.gain)
+        else:
+            scale *= 0.5 * self.gain
+        self._write_bounds(scene, pairs, h, scale, coefficient, bound)
+        return Barrier(smallest, math.sqrt(nearest) - self.radius, row)
+
+    def _apart(self, scene: Scene, pairs: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Return D of each pair, (2, m), and ‖D‖²."""
+        offset = scene.positions.take(pairs[0], axis=1)
+        offset -= scene.positions.take(pairs[1], axis=1)
+        square = offset[0] * offset[0]
+        square += offset[1] * offset[1]
+        return offset, square
+
+    def _write_normals(
+        self, offset: FloatArray, square: FloatArray, coefficient: FloatArray
+    ) -> FloatArray:
+        """Write the directions of all pairs; return by what their rows are scaled."""
         # Two unit vectors make a row of norm √2, hence √2 on both sides.
         scale = np.sqrt(square)
         np.divide(1.0 / _SQRT2, scale, out=scale)
@@ -89,17 +106,24 @@ class PairRows:
         coefficient[2:] = offset
         np.negative(offset, out=offset)
         coefficient[:2] = offset
-        if smallest < 0.0 and self.unsafe_gain != self.gain:
-            scale *= np.where(h < 0.0, 0.5 * self.unsafe_gain, 0.5 * self.gain)
-        else:
-            scale *= 0.5 * self.gain
+        return scale
+
+    def _write_bounds(
+        self,
+        scene: Scene,
+        pairs: IntArray,
+        h: FloatArray,
+        scale: FloatArray,
+        coefficient: FloatArray,
+        bound: FloatArray,
+    ) -> None:
+        """Write h³ times scale, less what the wheels may do."""
         np.multiply(h, h, out=bound)
         bound *= h
         bound *= scale
         if self.disturbance is not None:
-            bound -= self.disturbance.worst(scene, first, coefficient[:2])
-            bound -= self.disturbance.worst(scene, second, coefficient[2:])
-        return Barrier(smallest, math.sqrt(nearest) - self.radius, row)
+            bound -= self.disturbance.worst(scene, pairs[0], coefficient[:2])
+            bound -= self.disturbance.worst(scene, pairs[1], coefficient[2:])
 
     def measure(self, scene: Scene, pairs: IntArray) -> tuple[FloatArray, FloatArray]:
         """Return how far the robots of the given pairs are apart.
@@ -121,6 +145,25 @@ class PairRows:
         offset = scene.positions[:, pairs[0]] - scene.positions[:, pairs[1]]
         square = (offset * offset).sum(axis=0)
         return square - self.radius**2, np.sqrt(square) - self.radius
+
+    def near(self, tree: cKDTree, reach: float) -> IntArray:
+        """Return the pairs within reach; where there is none, the two that are nearest.
+
+        Parameters
+        ----------
+        tree : cKDTree
+            The positions of a team, m.
+        reach : float
+            Pairs beyond cannot break their row, m.
+
+        Returns
+        -------
+        (2, m) integer array
+            The two robots of each pair.
+        """
+        found = np.ascontiguousarray(tree.query_pairs(reach, output_type="ndarray").T)
+        # The row of the nearest two cannot be broken then, but their distance is reported.
+        return found if found.shape[1] else _closest_pair(tree)
 
     def reach(self, speed: float) -> float:
         """Return the distance beyond which no two robots can break their row, m.
@@ -148,12 +191,26 @@ class PairRows:
         return high
 
 
-def _part_coincident(offset: FloatArray, square: FloatArray, pairs: IntArray) -> FloatArray:
+def part_coincident(offset: FloatArray, square: FloatArray, pairs: IntArray) -> FloatArray:
     """Give robots at one point directions by their index, in place; return safe squared distances.
 
     Without this the row would be 0/0, and a row of NaN is never found broken. Directions come from
     points on a circle, one a robot, so that those of several coincident robots agree with each
     other: each can move out along its own ray.
+
+    Parameters
+    ----------
+    offset : (2, m) array
+        From the second robot of each pair to the first, m.
+    square : (m,) array
+        Its squared length, m².
+    pairs : (2, m) integer array
+        The two robots of each pair.
+
+    Returns
+    -------
+    (m,) array
+        Squared distances, none of them zero, m².
     """
     together = (square < COINCIDENT**2).nonzero()[0]
     angle = 2.399963229728653 * pairs[:, together]  # the golden angle: no two indices share a ray
@@ -163,3 +220,11 @@ def _part_coincident(offset: FloatArray, square: FloatArray, pairs: IntArray) ->
     square = square.copy()
     square[together] = COINCIDENT**2
     return square
+
+
+def _closest_pair(tree: cKDTree) -> IntArray:
+    """Return the two points nearest to each other, shape (2, 1)."""
+    distance, neighbour = tree.query(tree.data, k=2)
+    first = int(distance[:, 1].argmin())
+    other = int(neighbour[first, 1])
+    return np.array([[min(first, other)], [max(first, other)]])

@@ -193,9 +193,7 @@ class RowBook:
         assert self.pairs is not None
         number, fixed = self._number, self._rows
         tree = cKDTree(scene.positions.T)
-        near = np.ascontiguousarray(tree.query_pairs(self._reach, output_type="ndarray").T)
-        if not near.shape[1]:
-            near = _closest_pair(tree)  # its row cannot be broken, but its distance is reported
+        near = self.pairs.near(tree, self._reach)
         coefficient, bound = np.empty((4, near.shape[1])), np.empty(near.shape[1])
         closest = self.pairs.write(scene, near, coefficient, bound)
         rows = Rows(
@@ -215,14 +213,6 @@ def _nearer(nearest: Barrier, found: Barrier, start: int) -> Barrier:
     if ties.short_of(found.clearance, nearest.clearance):  # of equally near, the first is told
         return Barrier(found.h, found.clearance, start + found.row)
     return nearest
-
-
-def _closest_pair(tree: cKDTree) -> IntArray:
-    """Return the two points nearest to each other, shape (2, 1)."""
-    distance, neighbour = tree.query(tree.data, k=2)
-    first = int(distance[:, 1].argmin())
-    other = int(neighbour[first, 1])
-    return np.array([[min(first, other)], [max(first, other)]])
 
 
 def _unknowns(partners: IntArray, number: int) -> IntArray:

@@ -25,9 +25,9 @@ class WallRows(RowFamily):
         Walls are the lines n·x = offset, m.
     names : sequence of str
         What the walls are called in reports, such as ``"wall +x"``.
-    margin : float
-        How far inside the wall a position has to stay, m.
-    gain : float
+    margin : float or (N,) array
+        How far inside the wall a position has to stay, m: all robots alike, or each.
+    gain : float or (N,) array
         γ, in 1/(m² s).
     disturbance : WheelDisturbance, optional
         What the wheels may do on their own; rows then hold for the worst of it.
@@ -42,8 +42,8 @@ class WallRows(RowFamily):
         normals: FloatArray,
         offsets: FloatArray,
         names: Sequence[str],
-        margin: float,
-        gain: float,
+        margin: float | FloatArray,
+        gain: float | FloatArray,
         disturbance: WheelDisturbance | None = None,
         unsafe_gain: float | None = None,
         weight: float = 1e4,
@@ -53,9 +53,13 @@ class WallRows(RowFamily):
         self.gain = gain
         self.disturbance = disturbance
         self.unsafe_gain = gain if unsafe_gain is None else unsafe_gain
+        self._safe = _each_row(0.4 * gain, len(self.names))
+        self._unsafe = None
+        if unsafe_gain is not None:
+            self._unsafe = _each_row(0.4 * unsafe_gain, len(self.names))
         self.weight = weight
         self._outward = np.ascontiguousarray(normals.T)
-        self._inner = (offsets - margin)[:, None]
+        self._inner = offsets[:, None] - margin
 
     @property
     def inner(self) -> FloatArray:
@@ -77,10 +81,10 @@ class WallRows(RowFamily):
         gap = gap.reshape(-1)
         np.multiply(gap, gap, out=bound)
         bound *= gap
-        if self.unsafe_gain != self.gain:
-            bound *= np.where(gap < 0.0, 0.4 * self.unsafe_gain, 0.4 * self.gain)
+        if self._unsafe is None:
+            bound *= self._safe
         else:
-            bound *= 0.4 * self.gain
+            bound *= np.where(gap < 0.0, self._unsafe, self._safe)
         if self.disturbance is not None:
             robots = np.tile(np.arange(scene.positions.shape[1]), len(self.names))
             bound -= self.disturbance.worst(scene, robots, coefficient[:2])
@@ -96,6 +100,11 @@ class WallRows(RowFamily):
     def label(self, number: int, row: int) -> str:
         """Say which robot and which wall."""
         return f"robot {row % number} and {self.names[row // number]}"
+
+
+def _each_row(value: float | FloatArray, walls: int) -> float | FloatArray:
+    """Return a number for each row, wall by wall, where each robot has one of its own."""
+    return np.tile(value, walls) if np.size(value) > 1 else value
 
 
 def rectangle(bounds: Any) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from barrier_certificates.batch import STATUSES, BatchCertificate, BatchInfo, Engine
+from barrier_certificates.per_robot import largest
 from posflock_robotarium.batch.batch_steering import BatchSteering
 from posflock_robotarium.batch.team_laws import law_of_teams
 from posflock_robotarium.flocking.drive_limits import limits_of, within_limits
@@ -139,7 +140,7 @@ class BatchFlock:
         self._neighbours = NeighbourMemory(self.law.radius, self._hysteresis)
         self._filter = PoseFilter(self._filtering, self.time_step)
         self._steering = BatchSteering(
-            self._steering_parameters, self._arena, margin, self.time_step, self.teams
+            self._steering_parameters, self._arena, largest(margin), self.time_step, self.teams
         )
         self.certificate.reset()
 

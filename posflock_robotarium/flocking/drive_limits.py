@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from barrier_certificates.guarantee import largest_gain, largest_wall_gain
+from barrier_certificates.per_robot import largest
 from barrier_certificates.rows import VelocityPolygon
 from barrier_certificates.unicycle import UnicycleCertificate
 from posflock_robotarium.flocking.errors import ParameterError
@@ -28,24 +29,30 @@ def limits_of(certificate: UnicycleCertificate) -> VelocityPolygon:
     Raises
     ------
     ParameterError
-        Where robots that obey it step by step might pass through what keeps them apart.
+        Where robots that obey it step by step might pass through what keeps them apart, or are not
+        alike: the law, the steering and the memory of the flock are for equal robots.
     """
+    if certificate.team_size is not None:
+        raise ParameterError(
+            f"certificate: it has numbers for each of {certificate.team_size} robots, and a flock"
+            " is of equal ones; expected one number of each kind for all robots"
+        )
     limits, step = certificate.polygon(), certificate.time_step
     assert limits is not None  # a certificate that knows its time step has limits
     speed = limits.top_speed()
     wall_gain = certificate.barrier_gain if certificate.wall_gain is None else certificate.wall_gain
-    for name, gain, largest in (
+    for name, gain, most in (
         (
             "barrier_gain",
-            certificate.barrier_gain,
+            largest(certificate.barrier_gain),
             largest_gain(certificate.safety_radius, speed, step),
         ),
-        ("wall_gain", wall_gain, largest_wall_gain(speed, step)),
+        ("wall_gain", largest(wall_gain), largest_wall_gain(speed, step)),
     ):
-        if gain > largest:
+        if gain > most:
             raise ParameterError(
                 f"certificate: {name} is {gain:g}; steps of {step:g} s at {speed:.3g} m/s admit"
-                f" {largest:.3g} at most, or robots may pass through what keeps them apart"
+                f" {most:.3g} at most, or robots may pass through what keeps them apart"
             )
     return limits
 

@@ -37,6 +37,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from barrier_certificates import ties
+from barrier_certificates.per_robot import largest
 from barrier_certificates.projection import Status
 from barrier_certificates.unicycle import UnicycleCertificate
 from posflock_robotarium.flocking import attendance
@@ -386,4 +387,4 @@ def _arena(certificate: UnicycleCertificate) -> tuple[tuple[float, float, float,
             "certificate: expected a boundary (least x, greatest x, least y, greatest y) and a"
             f" wall_margin, which the flock is steered by; got {boundary} and {margin}"
         )
-    return boundary, margin
+    return boundary, largest(margin)
