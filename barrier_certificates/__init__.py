@@ -20,6 +20,8 @@ From the outside in:
 - `deadlock`: robots that are safe but stuck; `guarantee`: what holds in steps, and what voids it;
 - `ties`: what is decided where numbers are equal but for their last bits;
 - `certificate_errors`: what is raised, under one root; `checks`: who raises most of it;
+- `per_robot`: one number for all robots or one for each; `robot_drive`: the motors of one;
+  `given_parameters`: in which form parameters are kept;
 - `wall_distance`, `file_lock`: what the packages above share, and nobody here asks for;
   `word_enum`: what all three do.
 

@@ -21,8 +21,7 @@ from barrier_certificates.per_robot import (
     team_size,
 )
 from barrier_certificates.robot_drive import RobotDrive
-from barrier_certificates.rows import LimitRows, VelocityPolygon, WheelDisturbance
-from barrier_certificates.rows.unequal_limits import UnequalLimitRows
+from barrier_certificates.rows import LimitRows, UnequalLimitRows, VelocityPolygon, WheelDisturbance
 
 __all__ = ["DifferentialDrive"]
 

@@ -11,8 +11,14 @@ from barrier_certificates.array_types import FloatArray
 from barrier_certificates.certificate import Certificate
 from barrier_certificates.per_robot import PerRobot, check_limit
 from barrier_certificates.projection import ProjectionInfo
-from barrier_certificates.rows import LimitRows, Margin, Obstacle, Scene, VelocityPolygon
-from barrier_certificates.rows.unequal_limits import UnequalLimitRows
+from barrier_certificates.rows import (
+    LimitRows,
+    Margin,
+    Obstacle,
+    Scene,
+    UnequalLimitRows,
+    VelocityPolygon,
+)
 
 __all__ = ["SingleIntegratorCertificate"]
 

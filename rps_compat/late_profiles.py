@@ -16,7 +16,7 @@ import math
 import numpy as np
 
 from barrier_certificates.late.late_certificate import LateCertificate
-from barrier_certificates.late.late_margins import limits_of
+from barrier_certificates.late.late_margins import limits_of_each
 from barrier_certificates.late.late_robots import LateRobots, Range
 from barrier_certificates.unicycle import UnicycleCertificate
 from rps_compat.distributions import Curve, DistributionKind, RobotDistribution
@@ -128,12 +128,12 @@ def late_certificate(
     >>> print(late_certificate(ideal, load_profile("gritsbot_x")).guarantee())
     kept: projection points at least 185 mm apart
     """
-    limits = limits_of(certificate)
+    limits = limits_of_each(certificate)
     robots = late_robots(
         profile,
-        speed_limit=limits.speed,
-        turn_rate_limit=limits.turn_rate,
-        time_step=limits.time_step or TIME_STEP,
+        speed_limit=max(each.speed for each in limits),
+        turn_rate_limit=max(each.turn_rate for each in limits),
+        time_step=certificate.time_step or TIME_STEP,
         told=told,
     )
     return LateCertificate.of(

@@ -13,11 +13,18 @@ from barrier_certificates.batch import BatchCertificate
 from barrier_certificates.certificate_errors import ParameterError, ShapeError
 from barrier_certificates.differential_drive import DifferentialDrive
 from barrier_certificates.guarantee import largest_gain, largest_wall_gain
+from barrier_certificates.late.cautious_rows import CautiousRows
 from barrier_certificates.late.late_certificate import LateCertificate
 from barrier_certificates.late.late_robots import LateRobots
-from barrier_certificates.rows import Disc, Scene, VelocityPolygon
-from barrier_certificates.rows.unequal_limits import UnequalLimitRows
-from barrier_certificates.rows.unequal_pairs import UnequalPairRows
+from barrier_certificates.rows import (
+    Disc,
+    ObstacleRows,
+    RowBook,
+    Scene,
+    UnequalLimitRows,
+    UnequalPairRows,
+    VelocityPolygon,
+)
 from barrier_certificates.single_integrator import SingleIntegratorCertificate
 from barrier_certificates.unicycle import UnicycleCertificate
 
@@ -176,6 +183,46 @@ def test_unequal_robots_that_answer_late_are_kept_apart_by_their_own_distances()
     assert least(ideal) < 0.0
 
 
+def test_what_it_costs_to_be_late_is_that_of_the_worst_robot():
+    robots = LateRobots(dead_time=(0.1, 0.2), lag=(0.1, 0.15), speed_gain=(0.9, 1.1))
+    numbers = {"speed_limit": (0.05, 0.2), "turn_rate_limit": (1.0, 0.4)}
+    ahead = (0.1, 0.05)
+    common = {"time_step": STEP, "robots": robots, "boundary": ARENA}
+    team = LateCertificate((0.4, 0.1), projection_distance=ahead, **numbers, **common)
+    alone = [
+        LateCertificate(
+            projection_distance=ahead[robot],
+            **{name: value[robot] for name, value in numbers.items()},
+            **common,
+        ).late_margins
+        for robot in (0, 1)
+    ]
+    for name in ("stop_error", "held", "spread", "turning", "skew", "strongest", "top_speed"):
+        each = [getattr(margins, name) for margins in alone]
+        assert getattr(team.late_margins, name) >= max(each)
+        assert each[0] != each[1] or name == "strongest"
+    assert team.late_margins.weakest == min(margins.weakest for margins in alone)
+    margin = team.late_margins.pair(0.1)
+    assert margin > max(margins.pair(0.25) for margins in alone)
+    assert team.guarantee().stops_apart == pytest.approx((0.4 + margin, 0.1 + margin))
+    assert team.guarantee().walls == (0.2, 0.05)
+    apart = {m.what: m.clearance for m in team.margins([[-0.5, 0.5], [0, 0], [0, 0]], 2.0)}
+    assert apart["robots 0 and 1"] == pytest.approx(1.0 - 0.05 - 0.25 - margin)
+
+
+def test_late_robots_draw_apart_only_from_whom_they_are_too_close_to():
+    """Two small robots may be nearer than a large one lets either come."""
+    margins = LateCertificate(turn_rate_limit=1.0, time_step=STEP).late_margins
+    cautious, none = CautiousRows(margins, (0.5, 0.1, 0.1)), ObstacleRows((), 0.1, 1.0)
+    rows, _ = RowBook([], None).write(Scene(np.zeros((2, 3))))
+    line = np.array([[0.0, 0.31, 0.45], [0.0, 0.0, 0.0]])  # kept: 0.3, 0.3 and 0.1
+    assert len(cautious.added(rows, Scene(line), True, None, none)) == 0
+    line[0, 1] = 0.29
+    added = cautious.added(rows, Scene(line), True, None, none)
+    assert {added.label(row) for row in range(len(added))} == {"robots 0 and 1"}
+    assert len(added) == 16
+
+
 def test_of_two_the_more_cautious_gain_counts_and_the_sooner_parting():
     apart, together = [[0.0, 0.2], [0.0, 0.0]], [[0.0, 0.1], [0.0, 0.0]]
     closing = [[1.0, -1.0], [0.0, 0.0]]
@@ -222,6 +269,20 @@ def test_of_large_teams_the_pair_of_least_clearance_is_told_however_far_apart(se
     pair = apart.argmin()
     assert info.clearance == pytest.approx(apart[pair], abs=1e-12)
     assert info.nearest == f"robots {first[pair]} and {second[pair]}"
+
+
+def test_two_large_robots_beyond_reach_are_told_where_they_are_nearer_than_those_within():
+    sizes = np.full(42, 0.02)
+    sizes[2:4] = 0.6
+    certificate = SingleIntegratorCertificate(sizes, 1000.0, speed_limit=0.1)
+    reach = certificate.reach()
+    far = 4.0 * np.arange(42)
+    points = np.stack([far, np.zeros(42)])
+    points[:, 1] = far[0] + 0.95 * reach, 0.0
+    points[:, 3] = far[2] + 1.05 * reach, 0.0
+    _, info = certificate(np.zeros((2, 42)), points)
+    assert info.nearest == "robots 2 and 3"
+    assert info.clearance == pytest.approx(1.05 * reach - 0.6)
 
 
 @settings(max_examples=20)

@@ -18,10 +18,11 @@ Every row is scaled to unit norm, so how far a row is broken is a speed in m/s, 
 and one tolerance serves all.
 
 Each kind is a `RowFamily` with a module of its own: `pairs`, `walls`, `obstacles`, `links`,
-`limits`; all but the last can allow for a `disturbance` of the wheels. Which links a team keeps is
-decided by `kept_links`. `row_book` writes all rows of a team into arrays that live from step to
-step, `linked_book` those of a team that stays connected, and `row_set` is what those arrays are to
-whoever solves. Nothing here knows a solver.
+`limits`; all but the last can allow for a `disturbance` of the wheels. Where robots are not alike,
+walls and obstacles take a number for each; pairs and limits are those of `unequal_pairs` and
+`unequal_limits`. Which links a team keeps is decided by `kept_links`. `row_book` writes all rows of
+a team into arrays that live from step to step, `linked_book` those of a team that stays connected,
+and `row_set` is what those arrays are to whoever solves. Nothing here knows a solver.
 """
 
 from barrier_certificates.rows.disturbance import WheelDisturbance
@@ -32,6 +33,8 @@ from barrier_certificates.rows.pairs import PairRows
 from barrier_certificates.rows.row_book import Margin, RowBook
 from barrier_certificates.rows.row_family import Barrier, RowFamily, Scene
 from barrier_certificates.rows.row_set import Rows
+from barrier_certificates.rows.unequal_limits import UnequalLimitRows
+from barrier_certificates.rows.unequal_pairs import UnequalPairRows
 from barrier_certificates.rows.walls import WallRows, polygon, rectangle
 
 __all__ = [
@@ -48,6 +51,8 @@ __all__ = [
     "Rows",
     "Scene",
     "Segment",
+    "UnequalLimitRows",
+    "UnequalPairRows",
     "VelocityPolygon",
     "WallRows",
     "WheelDisturbance",

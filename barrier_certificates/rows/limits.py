@@ -162,7 +162,7 @@ class VelocityPolygon:
         Parameters
         ----------
         kept : sequence of int
-            Their indices.
+            Which of them, in the order that is wanted.
         """
         names = tuple(self.names[side] for side in kept)
         return VelocityPolygon(self.normals[:, kept], self.bounds[kept], names)
