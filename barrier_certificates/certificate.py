@@ -232,7 +232,8 @@ class Certificate(ABC):
         """Return the distance beyond which no two robots can break their row, m.
 
         Infinite where nothing limits speeds, and where a tree of links is chosen, for which all
-        have to be seen. A robot that computes its own answer (``decentralised``) need not see
+        have to be seen; of unequal robots it is for the largest distance, the smallest gain and the
+        highest speed. A robot that computes its own answer (``decentralised``) need not see
         farther.
         """
         memory = self._memory

@@ -27,6 +27,11 @@ from barrier_certificates.rows import (
 )
 from barrier_certificates.single_integrator import SingleIntegratorCertificate
 from barrier_certificates.unicycle import UnicycleCertificate
+from posflock_robotarium.flocking.errors import ParameterError as FlockParameterError
+from posflock_robotarium.flocking.flock import Flock
+from rps_compat.batch import BatchArena, ToGoals, rollout
+from rps_compat.late_profiles import late_certificate
+from rps_compat.profiles import load_profile
 
 SEEDS = st.integers(0, 2**31 - 1)
 
@@ -434,6 +439,39 @@ def test_many_unequal_teams_are_answered_as_each_alone(late):
             expected, told = alone(desired[team], poses[team])
             np.testing.assert_array_equal(commands[team], expected)
             assert str(info.statuses()[team]) == str(told.status)
+
+
+def test_rollouts_drive_unequal_robots_to_their_goals():
+    sizes, ahead = [0.3, 0.12, 0.12], [0.08, 0.03, 0.05]
+    limits = {"speed_limit": [0.1, 0.2, 0.2], "turn_rate_limit": 1.5, "time_step": STEP}
+    certificate = UnicycleCertificate(sizes, 1e4, projection_distance=ahead, **limits)
+    poses = np.array([[[0.0, 0.6, -0.5], [0.0, 0.1, -0.2], [0.0, 3.0, 0.0]]])
+    goals = poses[:, :2] + np.array([[0.1, -0.1, 0.05], [0.05, 0.2, -0.1]])
+    arena = BatchArena(poses, engine="numpy")
+    outcome = rollout(arena, BatchCertificate(certificate), ToGoals(goals), steps=300)
+    assert outcome.clearance.min() >= 0.0
+    heading = np.stack([np.cos(arena.poses[0, 2]), np.sin(arena.poses[0, 2])])
+    points = arena.poses[0, :2] + np.array(ahead) * heading
+    np.testing.assert_allclose(points, goals[0], rtol=0, atol=0.02)
+
+
+def test_a_flock_is_of_equal_robots():
+    arena = {"boundary": ARENA, "wall_margin": 0.1}
+    for unequal in ({"safety_radius": (0.2, 0.3)}, {"speed_limit": (0.1, 0.2)}):
+        with pytest.raises(FlockParameterError, match="numbers for each of 2 robots"):
+            Flock(certificate=UnicycleCertificate(**arena, **unequal))
+
+
+def test_profiles_make_certificates_of_unequal_robots_too():
+    ideal = UnicycleCertificate(
+        (0.3, 0.185), 2e3, speed_limit=(0.1, 0.15), turn_rate_limit=0.55, time_step=STEP
+    )
+    late = late_certificate(ideal, load_profile("gritsbot_x"))
+    equal = dataclasses.replace(ideal, safety_radius=0.185, speed_limit=0.15)
+    fastest = late_certificate(equal, load_profile("gritsbot_x"))
+    assert late.robots == fastest.robots
+    assert late.guarantee().pairs == (0.3, 0.185)
+    assert late.late_margins.stop_error == fastest.late_margins.stop_error
 
 
 def test_compiled_code_is_for_equal_robots(monkeypatch):
