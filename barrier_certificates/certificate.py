@@ -144,7 +144,7 @@ class Certificate(ABC):
         If the solver asked for by name is not installed.
     """
 
-    per_robot: ClassVar[tuple[str, ...]] = (
+    may_differ: ClassVar[tuple[str, ...]] = (
         "safety_radius",
         "barrier_gain",
         "unsafe_gain",
@@ -182,7 +182,7 @@ class Certificate(ABC):
             object.__setattr__(self, "boundary", points)
         if self.shares is not None:
             object.__setattr__(self, "shares", given_parameters.shares_of(self.shares))
-        per_robot.settle(self, self.per_robot, self.checked)
+        per_robot.settle(self, self.may_differ, self.checked)
         if self.checked:
             self.check()
         self.reset()
@@ -201,7 +201,7 @@ class Certificate(ABC):
         for name in ("unsafe_gain", "wall_gain", "wall_margin", "obstacle_margin"):
             if getattr(self, name) is not None:
                 per_robot.check_each(checks.not_negative, name, getattr(self, name))
-        per_robot.team_size({name: getattr(self, name) for name in (*self.per_robot, "shares")})
+        per_robot.team_size({name: getattr(self, name) for name in (*self.may_differ, "shares")})
         checks.angle("tilt", self.tilt)
         if self.shares is not None and not self.decentralised:
             raise ParameterError(
@@ -222,7 +222,7 @@ class Certificate(ABC):
     @cached_property
     def team_size(self) -> int | None:
         """For how many robots there are numbers of their own; None where all are alike."""
-        return per_robot.team_size({name: getattr(self, name) for name in self.per_robot})
+        return per_robot.team_size({name: getattr(self, name) for name in self.may_differ})
 
     def reset(self) -> None:
         """Forget the steps so far: which rows bound, and for how long robots have been held."""

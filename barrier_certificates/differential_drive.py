@@ -54,7 +54,7 @@ class DifferentialDrive:
         without a limit on turning.
     """
 
-    per_robot: ClassVar[tuple[str, ...]] = _OF_ROBOTS
+    may_differ: ClassVar[tuple[str, ...]] = _OF_ROBOTS
     """Which parameters may be sequences of one number for each robot."""
 
     _: KW_ONLY
@@ -68,7 +68,7 @@ class DifferentialDrive:
     time_step: float = 0.0
 
     def __post_init__(self) -> None:
-        settle(self, self.per_robot)
+        settle(self, self.may_differ)
         self.check()
 
     def check(self) -> None:

@@ -43,7 +43,7 @@ class SingleIntegratorCertificate(Certificate):
     optimal ('robots 0 and 1',)
     """
 
-    per_robot: ClassVar[tuple[str, ...]] = (*Certificate.per_robot, "speed_limit")
+    may_differ: ClassVar[tuple[str, ...]] = (*Certificate.may_differ, "speed_limit")
 
     _: KW_ONLY
     speed_limit: PerRobot | None = 0.2

@@ -75,7 +75,7 @@ class UnicycleCertificate(Certificate, DifferentialDrive):
     answers_late: ClassVar[bool] = False
     """Whether poses have to be brought to where robots come to rest, by `stops`, beforehand."""
 
-    per_robot: ClassVar[tuple[str, ...]] = (*Certificate.per_robot, *DifferentialDrive.per_robot)
+    may_differ: ClassVar[tuple[str, ...]] = (*Certificate.may_differ, *DifferentialDrive.may_differ)
 
     _: KW_ONLY
     robust_walls: bool = True

@@ -24,7 +24,7 @@ class Team:
 
     def certificate(self, unicycles, **given):
         kind = UnicycleCertificate if unicycles else SingleIntegratorCertificate
-        drive = set(kind.per_robot)
+        drive = set(kind.may_differ)
         numbers = {name: value for name, value in self.numbers.items() if name in drive}
         return kind(**{"boundary": ARENA, "obstacles": [OBSTACLE]} | numbers | given)
 

@@ -89,7 +89,7 @@ class BatchCertificate:
         step = getattr(certificate, "time_step", 0.0)
         # Compiled code knows one number for all robots, and is not asked where there are others.
         equal = certificate.team_size is None
-        distance = self.distance if isinstance(self.distance, float) else 0.0
+        distance = self.distance if equal else 0.0
         self._drive = DriveModel(distance, step, unicycles)
         families = self._alone.row_families() if equal else _NO_ROWS
         self._recipe = recipe_of(*families, cautious=self._late is not None)
