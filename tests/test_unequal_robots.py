@@ -17,6 +17,7 @@ from barrier_certificates.late.cautious_rows import CautiousRows
 from barrier_certificates.late.late_certificate import LateCertificate
 from barrier_certificates.late.late_robots import LateRobots
 from barrier_certificates.rows import (
+    ConnectivityParameters,
     Disc,
     ObstacleRows,
     RowBook,
@@ -226,6 +227,52 @@ def test_late_robots_draw_apart_only_from_whom_they_are_too_close_to():
     added = cautious.added(rows, Scene(line), True, None, none)
     assert {added.label(row) for row in range(len(added))} == {"robots 0 and 1"}
     assert len(added) == 16
+
+
+@pytest.mark.parametrize("unicycles", [False, True])
+def test_unequal_robots_stay_connected_while_they_flee_and_attack(unicycles):
+    """Projection points go where they are certified, in steps."""
+    links = ConnectivityParameters(0.6, gain=1e3, time_step=STEP)
+    if unicycles:
+        certificate = UnicycleCertificate(SIZES, GAINS, connectivity=links, **DRIVE)
+    else:
+        certificate = SingleIntegratorCertificate(
+            SIZES, GAINS, speed_limit=SPEEDS, connectivity=links
+        )
+    rng = np.random.default_rng(1)
+    points = np.array([[0.0, 0.45, -0.45, 0.0, 0.45], [0, 0.1, 0, -0.45, -0.3]])
+    headings = rng.uniform(-3, 3, 5)
+    left = least = np.inf
+    for step in range(250):
+        least = min(least, clearances(points).min())
+        away = points - points.mean(axis=1, keepdims=True) + rng.normal(0, 0.1, (2, 5))
+        desired = (1.0 if step // 60 % 2 == 0 else -1.0) * away
+        if unicycles:
+            ahead = AHEAD * np.stack([np.cos(headings), np.sin(headings)])
+            poses = np.vstack([points - ahead, headings])
+            velocity, info = certificate.project(desired, poses)
+            headings = headings + STEP * certificate.commands(velocity, poses)[1]
+        else:
+            velocity, info = certificate(desired, points)
+        points = points + STEP * velocity
+        left = min(left, info.range_left)
+        assert info.status in ("trivial", "optimal")
+    assert left >= -1e-9
+    assert least >= 0.0
+    assert left < 0.05  # they did flee
+
+
+def test_a_range_has_to_reach_from_the_largest_robot_to_another():
+    links = ConnectivityParameters(0.3, time_step=STEP)
+    SingleIntegratorCertificate((0.5, 0.5, 0.05), connectivity=links)
+    with pytest.raises(ParameterError, match=r"expected more than the 0\.35 m"):
+        SingleIntegratorCertificate((0.5, 0.2, 0.2), connectivity=links)
+    named = ConnectivityParameters(0.3, [(0, 1)], time_step=STEP)
+    SingleIntegratorCertificate((0.5, 0.05, 0.5), connectivity=named)
+    with pytest.raises(ParameterError, match=r"expected more than the 0\.5 m"):
+        SingleIntegratorCertificate((0.5, 0.5, 0.05), connectivity=named)
+    with pytest.raises(ShapeError, match="links name robot 1"):
+        SingleIntegratorCertificate([0.5], connectivity=named)([[0.0], [0.0]], [[0.0], [0.0]])
 
 
 def test_of_two_the_more_cautious_gain_counts_and_the_sooner_parting():
