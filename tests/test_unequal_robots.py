@@ -450,6 +450,8 @@ def test_teams_of_another_size_are_refused():
         SingleIntegratorCertificate(limits=octagons)(zeros, poses[:2])
     with pytest.raises(ShapeError, match="for 2 robots, but the team has 4"):
         UnequalPairRows((0.1, 0.2), 1.0).measure(Scene(poses[:2]), np.array([[0], [1]]))
+    with pytest.raises(ShapeError, match="for 2 robots, but the team has 4"):
+        RowBook([], UnequalPairRows((0.1, 0.2), 1.0)).write(Scene(poses[:2]))
 
 
 def test_rows_of_your_own_for_unequal_robots_are_checked():
