@@ -8,6 +8,11 @@ that would pull (λ < 0), add rows that are now broken, repeat. When nothing cha
 of optimality hold and the point is *the* optimum, proved, not assumed. Started from the rows that
 bound in the previous step, nine guesses in ten are right at once.
 
+Where robots press together, nearly as many rows bind as there are unknowns, and changing all that
+are wrong at once overshoots: a thousand are wrong next. A large team's rows that are nearly right
+are then exchanged one by one (`barrier_certificates.solvers.row_exchange`), and what comes of that
+is proved like any other guess.
+
 The method can cycle, or meet rows that depend on each other. It then says so (``None``), and an
 exact solver takes over from the rows seen so far.
 """
@@ -17,15 +22,14 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import lapack
-from scipy.sparse.linalg import splu
 
 from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.rows.row_set import Rows
+from barrier_certificates.solvers.equations import Intersection, intersection
+from barrier_certificates.solvers.row_exchange import exchanged, room
 
-# Binding rows; with more, OpenBLAS takes several threads, which on a busy machine wait for each
-# other for longer than the sparse factorisation takes.
-_DENSE_UP_TO = 100
+_CROWDED = 0.75
+"""Where more rows bind than this part of the unknowns, changing all that are wrong overshoots."""
 _POLISHES = 6
 _TIGHT = 1e-12  # binding rows hold as equations to within rounding, relative to the largest excess
 
@@ -71,30 +75,99 @@ def guess(
     tries : int
         Give up after so many guesses.
     """
-    binding = warm
+    binding, best = warm, None
     for count in range(1, tries + 1):
         if not binding.shape[0]:  # nothing remembered, or all of it pulls and hides no broken row
             binding = _worst_of_each_robot(rows, excess, tolerance)
-        if binding.shape[0] > rows.size:
-            break
-        solved = _solve(rows, target, excess, binding)
-        if solved is None:
-            break
-        point, multiplier, binding = solved
-        gap = rows.excess(point)
-        worst = gap[gap.argmax()]
-        pulling = multiplier[multiplier.argmin()] < 0.0
-        if not pulling and worst <= tolerance:
-            slack = gap.take(binding)
+        trial = _try(rows, target, excess, binding, tolerance)
+        if trial is not None and trial.is_optimal():
+            slack = trial.gap.take(trial.at.binding)
             if -slack[slack.argmin()] > _TIGHT * max(1.0, excess[excess.argmax()]):
                 break  # too ill-conditioned to prove anything
-            return Guess(point, binding, float(worst), count)
-        if pulling:
-            binding = binding[multiplier >= 0.0]
-        broken = gap > tolerance
-        broken[binding] = True
-        binding = broken.nonzero()[0]
+            return Guess(trial.at.point, trial.at.binding, trial.worst, count)
+        if trial is None or trial.overshoots(best):
+            start = best
+        elif trial.is_crowded():
+            start = trial
+        else:
+            best = trial if trial.is_nearly_right() else None
+            binding = trial.changed()
+            continue
+        right = None if start is None else exchanged(rows, target, excess, start.at, tolerance)
+        if right is None:
+            break
+        binding, best = right, None
     return Guess(None, binding, np.inf, count)
+
+
+class _Trial(NamedTuple):
+    """A guess that was tried: the point where its rows bind, and what is wrong with it.
+
+    Attributes
+    ----------
+    at : Intersection
+        The point, and how hard its rows push.
+    gap : (m,) array
+        How far each row is broken there, m/s.
+    worst : float
+        The largest of it.
+    pulls : bool
+        Whether some row pulls.
+    tolerance : float
+        A row is broken when its excess is above this, m/s.
+    """
+
+    at: Intersection
+    gap: FloatArray
+    worst: float
+    pulls: bool
+    tolerance: float
+
+    def is_optimal(self) -> bool:
+        """Whether no row pulls, and none is broken."""
+        return not self.pulls and self.worst <= self.tolerance
+
+    def wrong(self) -> int:
+        """Return how many rows pull or are broken."""
+        pulling = np.count_nonzero(self.at.multiplier < 0.0)
+        return int(pulling + np.count_nonzero(self.gap > self.tolerance))
+
+    def overshoots(self, best: _Trial | None) -> bool:
+        """Whether more than half as many rows are wrong as in the trial that was nearly right."""
+        return best is not None and 2 * self.wrong() > best.wrong()
+
+    def is_nearly_right(self) -> bool:
+        """Whether its rows can be exchanged one by one."""
+        size = self.at.point.shape[0]
+        return self.at.system is not None and 2 * self.wrong() <= room(size)
+
+    def is_crowded(self) -> bool:
+        """Whether it is nearly right, but changing all that is wrong at once would overshoot."""
+        many = self.at.binding.shape[0] > _CROWDED * self.at.point.shape[0]
+        return many and self.is_nearly_right()
+
+    def changed(self) -> IntArray:
+        """Return the rows without those that pull, and with those that are broken."""
+        binding = self.at.binding
+        if self.pulls:
+            binding = binding[self.at.multiplier >= 0.0]
+        broken = self.gap > self.tolerance
+        broken[binding] = True
+        return broken.nonzero()[0]
+
+
+def _try(
+    rows: Rows, target: FloatArray, excess: FloatArray, binding: IntArray, tolerance: float
+) -> _Trial | None:
+    """Return what is wrong where these rows bind; None where they have no point in common."""
+    if binding.shape[0] > rows.size:
+        return None
+    at = intersection(rows, target, excess, binding)
+    if at is None:
+        return None
+    gap = rows.excess(at.point)
+    worst = float(gap[gap.argmax()])
+    return _Trial(at, gap, worst, at.multiplier[at.multiplier.argmin()] < 0.0, tolerance)
 
 
 def _worst_of_each_robot(rows: Rows, excess: FloatArray, tolerance: float) -> IntArray:
@@ -103,44 +176,6 @@ def _worst_of_each_robot(rows: Rows, excess: FloatArray, tolerance: float) -> In
     worst_first = broken[np.argsort(-excess[broken], kind="stable")]
     _, first = np.unique(rows.index[0, worst_first], return_index=True)
     return np.sort(worst_first[first])
-
-
-def _solve(
-    rows: Rows, target: FloatArray, excess: FloatArray, binding: IntArray
-) -> tuple[FloatArray, FloatArray, IntArray] | None:
-    """Project on the intersection of the binding rows as equations.
-
-    Rows that depend on others are left out: returns point, multipliers and the rows kept.
-    """
-    if binding.shape[0] > _DENSE_UP_TO:
-        return _solve_sparse(rows, target, excess, binding)
-    matrix = rows.dense(binding)
-    while True:
-        _, multiplier, dependent = lapack.dposv(matrix @ matrix.T, excess.take(binding))
-        if dependent == 0:
-            return target - multiplier @ matrix, multiplier, binding
-        if dependent < 0 or binding.shape[0] == 1:
-            return None
-        kept = np.arange(binding.shape[0]) != dependent - 1
-        matrix, binding = matrix[kept], binding[kept]
-
-
-def _solve_sparse(
-    rows: Rows, target: FloatArray, excess: FloatArray, binding: IntArray
-) -> tuple[FloatArray, FloatArray, IntArray] | None:
-    """Do the same with a sparse factorisation; None where rows depend on each other."""
-    thin = rows.sparse(binding)
-    try:
-        factors = splu(
-            (thin @ thin.T).tocsc(),
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
-    except RuntimeError:  # exactly singular
-        return None
-    multiplier = factors.solve(excess.take(binding))
-    return target - thin.T @ multiplier, multiplier, binding
 
 
 def polish(
