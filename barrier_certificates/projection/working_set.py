@@ -148,7 +148,9 @@ class WorkingSet:
             return NO_ROWS
         if rows.key is None:
             return self._bound
-        return np.flatnonzero(np.isin(rows.key, self._bound))
+        bound = np.zeros(max(rows.key.max(), self._bound.max()) + 1, dtype=bool)
+        bound[self._bound] = True
+        return bound.take(rows.key).nonzero()[0]
 
 
 def _team(rows: Rows) -> tuple[int, int]:

@@ -82,7 +82,8 @@ def guess(
         trial = _try(rows, target, excess, binding, tolerance)
         if trial is not None and trial.is_optimal():
             slack = trial.gap.take(trial.at.binding)
-            if -slack[slack.argmin()] > _TIGHT * max(1.0, excess[excess.argmax()]):
+            loose = -slack[slack.argmin()]
+            if loose > _TIGHT and loose > _TIGHT * excess[excess.argmax()]:
                 break  # too ill-conditioned to prove anything
             return Guess(trial.at.point, trial.at.binding, trial.worst, count)
         if trial is None or trial.overshoots(best):

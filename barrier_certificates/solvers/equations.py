@@ -2,9 +2,7 @@
 
 If the rows A bind, that point is one small linear system: ``x = x̂ − Aᵀλ`` with ``A Aᵀ λ = A x̂ −
 b``. Up to a hundred rows it is dense. Beyond, it is sparse: rows that share no robot do not meet in
-A Aᵀ, and a robot has a handful of neighbours at most. Numbered from neighbour to neighbour (reverse
-Cuthill-McKee), the rows of a thousand robots that press together make a band of some seventy
-diagonals, and Cholesky's factors fill no more than the band.
+A Aᵀ, and a robot has a handful of neighbours at most.
 """
 
 from __future__ import annotations
@@ -14,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import sparse
 from scipy.linalg import lapack
-from scipy.sparse.csgraph import reverse_cuthill_mckee
+from scipy.sparse.linalg import splu
 
 from barrier_certificates.array_types import FloatArray, IntArray
 from barrier_certificates.rows.row_set import Rows
@@ -24,7 +22,7 @@ from barrier_certificates.rows.row_set import Rows
 _DENSE_UP_TO = 100
 
 
-class BandedSystem:
+class SparseSystem:
     """The system A Aᵀ λ = r of sparse rows, factorised once and solved for many r.
 
     Parameters
@@ -34,38 +32,39 @@ class BandedSystem:
 
     Attributes
     ----------
-    rows : (k, size) sparse array
-        The rows A.
-    dependent : bool
-        Whether rows depend on each other, to within rounding: there is nothing to be solved then.
+    rows, columns : sparse arrays
+        A and Aᵀ.
+
+    Raises
+    ------
+    RuntimeError
+        If rows depend on each other, exactly.
     """
 
     def __init__(self, rows: sparse.csr_matrix) -> None:
-        self.rows = rows
-        product = (rows @ rows.T).tocsr()
-        self._order = reverse_cuthill_mckee(product, symmetric_mode=True)
-        self._place = np.empty_like(self._order)
-        self._place[self._order] = np.arange(self._order.shape[0])
-        entries = product.tocoo()
-        row, column = self._place[entries.row], self._place[entries.col]
-        lower = row >= column
-        diagonal, column = row[lower] - column[lower], column[lower]
-        band = np.zeros((int(diagonal.max()) + 1, rows.shape[0]), order="F")
-        band[diagonal, column] = entries.data[lower]
-        self._factor, failed = lapack.dpbtrf(band, lower=1, overwrite_ab=1)
-        self.dependent = failed != 0
+        self.rows, self.columns = rows, rows.T
+        self._factors = splu(
+            (rows @ self.columns).tocsc(),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
 
     def solve(self, right: FloatArray) -> FloatArray:
-        """Return λ.
+        """Return the solution.
 
         Parameters
         ----------
         right : (k,) array
             The right-hand side r.
+
+        Returns
+        -------
+        (k,) array
+            The solution λ.
         """
-        ordered, _ = lapack.dpbtrs(self._factor, right[self._order], lower=1, overwrite_b=1)
-        solution: FloatArray = ordered[self._place]
-        return solution
+        multiplier: FloatArray = self._factors.solve(right)
+        return multiplier
 
 
 class Intersection(NamedTuple):
@@ -74,19 +73,19 @@ class Intersection(NamedTuple):
     Attributes
     ----------
     point : (size,) array
-        The point.
+        Where all rows hold as equations, m/s.
     multiplier : (k,) array
         How hard each row pushes; negative where it pulls.
     binding : (k,) integer array
         The rows, those left out that depend on others.
-    system : BandedSystem or None
+    system : SparseSystem or None
         What was factorised, where that was sparse.
     """
 
     point: FloatArray
     multiplier: FloatArray
     binding: IntArray
-    system: BandedSystem | None = None
+    system: SparseSystem | None = None
 
 
 def intersection(
@@ -111,16 +110,18 @@ def intersection(
         None where rows depend on each other, beyond what leaving some out mends.
     """
     if binding.shape[0] > _DENSE_UP_TO:
-        system = BandedSystem(rows.sparse(binding))
-        if system.dependent:
+        try:
+            system = SparseSystem(rows.sparse(binding))
+        except RuntimeError:
             return None
         multiplier = system.solve(excess.take(binding))
-        return Intersection(target - system.rows.T @ multiplier, multiplier, binding, system)
+        return Intersection(target - system.columns @ multiplier, multiplier, binding, system)
     matrix = rows.dense(binding)
     while True:
-        _, multiplier, dependent = lapack.dposv(matrix @ matrix.T, excess.take(binding))
+        # `dot` costs half of `@` on small arrays.
+        _, multiplier, dependent = lapack.dposv(matrix.dot(matrix.T), excess.take(binding))
         if dependent == 0:
-            return Intersection(target - multiplier @ matrix, multiplier, binding)
+            return Intersection(target - multiplier.dot(matrix), multiplier, binding)
         if dependent < 0 or binding.shape[0] == 1:
             return None
         kept = np.arange(binding.shape[0]) != dependent - 1

@@ -75,7 +75,7 @@ def _settled(bordered: _BorderedSystem, target: FloatArray, tolerance: float) ->
         bordered.let_go(weakest)
         push = bordered.push()
     while True:
-        gap = bordered.every_row.excess(target - bordered.shift(push))
+        gap = bordered.rows.excess(target - bordered.shift(push))
         worst = int(gap.argmax())
         if gap[worst] <= tolerance:
             return bordered.binding()
@@ -92,21 +92,19 @@ def _takes_in(bordered: _BorderedSystem, row: int) -> bool:
     new = bordered.column(row)
     while bordered.has_room():
         # For each unit that the new row pushes, the others push by their relief less.
-        push, relief = bordered.push(), bordered.relief(new)
-        outside = new.vector @ new.vector - bordered.along(new, relief)
-        enough, nothing = np.inf, np.inf
+        products = bordered.products(new)
+        push, relief = bordered.push(), bordered.relief(new, products)
+        outside = float(new.vector @ new.vector - products @ relief)
+        enough: float = np.inf
         if outside > _DEPENDENT:
-            enough = (new.excess - bordered.along(new, push)) / outside
-        relieved = (relief > 0.0).nonzero()[0]
-        if relieved.shape[0]:
-            until = push[relieved] / relief[relieved]
-            first = int(until.argmin())
-            nothing = until[first]
-        if enough <= nothing:
+            enough = float(new.excess - products @ push) / outside
+        weaker = (relief > 0.0).nonzero()[0]
+        lasts = push[weaker] / relief[weaker]
+        if enough <= lasts.min(initial=np.inf):
             if enough < np.inf:
                 bordered.take_in(new)
             return enough < np.inf
-        bordered.let_go(int(relieved[first]))
+        bordered.let_go(int(weaker[lasts.argmin()]))
     return False
 
 
@@ -138,12 +136,12 @@ class _BorderedSystem:
     """The equations of rows that come and go, by the factors of the first ones.
 
     Its unknowns are how hard rows push: the first rows, then one for each change, which is zero
-    where that stands for a row that went.
+    where that stands for a row that went. Products are `einsum`'s, which never starts threads.
     """
 
     def __init__(self, rows: Rows, excess: FloatArray, start: Intersection) -> None:
         assert start.system is not None
-        self.every_row, self._excess = rows, excess
+        self.rows, self._excess = rows, excess
         self._start, self._system = start.binding, start.system
         self._free = start.multiplier
         self._changes: list[int] = []
@@ -159,17 +157,21 @@ class _BorderedSystem:
 
     def column(self, row: int) -> _Column:
         """Return what a row would add."""
-        vector = self.every_row.dense(np.array([row]))[0]
+        vector = self.rows.dense(np.array([row]))[0]
         meets = self._system.rows @ vector
         return _Column(row, vector, meets, self._system.solve(meets), float(self._excess[row]))
 
     def take_in(self, new: _Column) -> None:
-        """Let a row come, or come back."""
-        place = int(np.searchsorted(self._start, new.change))
-        if ~place in self._changes and self._start[place] == new.change:
-            self._undo(self._changes.index(~place))
-        else:
-            self._append(new)
+        """Let a row come; one of the first that comes back counts as another one."""
+        last = len(self._changes)
+        self._steps_left -= 1
+        self._changes.append(new.change)
+        self._vectors[last], self._right[last] = new.vector, new.excess
+        self._meets[last], self._solved[last] = new.meets, new.solved
+        every = slice(0, last + 1)
+        schur = np.einsum("cx,x->c", self._vectors[every], new.vector)
+        schur -= np.einsum("ck,k->c", self._meets[every], new.solved)
+        self._corner[last, every] = self._corner[every, last] = schur
 
     def let_go(self, which: int) -> None:
         """Let go of a row, by its place among the unknowns."""
@@ -177,29 +179,28 @@ class _BorderedSystem:
         if which >= count:
             self._undo(which - count)
             return
-        meets = np.zeros(count)
+        nothing, meets = np.zeros(self.rows.size), np.zeros(count)
         meets[which] = 1.0
-        self._append(
-            _Column(~which, np.zeros(self.every_row.size), meets, self._system.solve(meets), 0.0)
-        )
+        self.take_in(_Column(~which, nothing, meets, self._system.solve(meets), 0.0))
 
     def push(self) -> FloatArray:
         """Return how hard rows push where all hold as equations."""
         return self._answer(self._free, self._right[: len(self._changes)])
 
-    def relief(self, new: _Column) -> FloatArray:
-        """Return by how much rows push less for each unit that another one pushes."""
-        return self._answer(new.solved, self._vectors[: len(self._changes)] @ new.vector)
+    def products(self, new: _Column) -> FloatArray:
+        """Return how far a unit of push of each row moves the point against another row."""
+        vectors = self._vectors[: len(self._changes)]
+        return np.append(new.meets, np.einsum("cx,x->c", vectors, new.vector))
 
-    def along(self, new: _Column, push: FloatArray) -> float:
-        """Return how far the rows' push moves the point against a row."""
-        return float(new.vector @ self.shift(push))
+    def relief(self, new: _Column, products: FloatArray) -> FloatArray:
+        """Return by how much rows push less for each unit that another one pushes."""
+        return self._answer(new.solved, products[new.meets.shape[0] :])
 
     def shift(self, push: FloatArray) -> FloatArray:
         """Return by how much the rows' push moves the target back, (size,) array."""
         count = self._free.shape[0]
-        shift: FloatArray = self._system.rows.T @ push[:count]
-        shift += push[count:] @ self._vectors[: len(self._changes)]
+        shift: FloatArray = self._system.columns @ push[:count]
+        shift += np.einsum("c,cx->x", push[count:], self._vectors[: len(self._changes)])
         return shift
 
     def binding(self) -> IntArray:
@@ -212,25 +213,16 @@ class _BorderedSystem:
         """Solve for the changes (Schur's complement), then for the first rows given those."""
         changes = len(self._changes)
         meets, solved = self._meets[:changes], self._solved[:changes]
-        change = np.linalg.solve(self._corner[:changes, :changes], last - meets @ first)
-        push = np.append(first - change @ solved, change)
+        last = last - np.einsum("ck,k->c", meets, first)
+        change = np.linalg.solve(self._corner[:changes, :changes], last)
+        push = np.append(first - np.einsum("c,ck->k", change, solved), change)
         for number, what in enumerate(self._changes):
             if what < 0:
                 push[[~what, first.shape[0] + number]] = 0.0
         return push
 
-    def _append(self, new: _Column) -> None:
-        last = len(self._changes)
-        self._steps_left -= 1
-        self._changes.append(new.change)
-        self._vectors[last], self._right[last] = new.vector, new.excess
-        self._meets[last], self._solved[last] = new.meets, new.solved
-        every = slice(0, last + 1)
-        schur = self._vectors[every] @ new.vector - self._meets[every] @ new.solved
-        self._corner[last, every] = self._corner[every, last] = schur
-
     def _undo(self, number: int) -> None:
-        """Take back a change: the last one takes its number."""
+        """Take back that a row came: the last change takes its number."""
         last = len(self._changes) - 1
         self._steps_left -= 1
         self._changes[number] = self._changes[last]
