@@ -6,9 +6,10 @@ and for teams that it cannot take, what an expert writes: pairs within reach fro
 rows assembled by numpy as a sparse matrix, OSQP warm-started to 1e-6
 (`references.sparse_certificate`). All candidates certify the same recorded states, in turn at each
 state, in one process with one BLAS thread. Teams swap places (every robot heads through the middle
-of the field), or press together (every robot heads for the middle of a packed field). Prints
-measured against required, plots the growth with the number of robots, and exits 1 where a bar is
-missed.
+of the field), or press together (every robot heads for the middle of a packed field). The smallest
+team is also measured in turns with what a compiled solver alone takes: daqp's call, in C, with all
+rows given and made ready beforehand. Prints measured against required, plots the growth with the
+number of robots, and exits 1 where a bar is missed.
 """
 
 from __future__ import annotations
@@ -26,15 +27,33 @@ from history import recorded
 from references import GAIN, RADIUS, SPEED, Certify, dense_certificate, sparse_certificate
 
 from barrier_certificates import solvers
+from barrier_certificates.rows import RowBook, Scene
 from barrier_certificates.single_integrator import SingleIntegratorCertificate
 
-STEP = 0.033
+STEP = 0.033  # the testbed's, s
 State = tuple[np.ndarray, np.ndarray]
 
 
 def ours(boundary: tuple[float, float, float, float], solver: str = "auto") -> Certify:
     """Return this package's certificate with the same rows."""
     return SingleIntegratorCertificate(RADIUS, GAIN, boundary=boundary, solver=solver)
+
+
+def bare(boundary: tuple[float, float, float, float], states: list[State]) -> Certify:
+    """Return daqp's call alone: the programs of the states are ready, and are taken in order."""
+    import daqp
+
+    families = ours(boundary).row_families()
+    book = RowBook([families.limits, families.walls], families.pairs)
+    programs = []
+    for desired, positions in states:
+        rows, _ = book.write(Scene(positions))
+        size, count = rows.size, len(rows)
+        bounds = rows.bound.copy(), np.full(count, -1e30), np.zeros(count, dtype=np.intc)
+        matrix = rows.dense(np.arange(count))
+        programs.append((np.eye(size), -desired.T.reshape(-1), matrix, *bounds))
+    following = iter(programs)
+    return lambda desired, positions: daqp.solve(*next(following), primal_tol=1e-11, dual_tol=1e-12)
 
 
 def field(number: int, spacing: float, seed: int) -> np.ndarray:
@@ -84,6 +103,14 @@ def times(
                 certify[name](desired, positions)
                 cost[name][run, number] = 1e-6 * (time.process_time_ns() - before)
     return {name: values.min(axis=0)[1:] for name, values in cost.items()}
+
+
+def beside_a_bare_call(number: int, count: int) -> tuple[float, float]:
+    """Return median milliseconds of a certificate's call, and of daqp's alone, in turns."""
+    states, boundary = record(number, "swap", count)
+    candidates = {"ours": partial(ours, boundary), "bare": partial(bare, boundary, states)}
+    cost = times(states, candidates)
+    return float(np.median(cost["ours"])), float(np.median(cost["bare"]))
 
 
 def main() -> int:
@@ -137,6 +164,13 @@ def main() -> int:
         beside = f"{medians['auto']:.3g} ms against {medians[reference]:.3g} ms"
         gain = medians[reference] / medians["auto"]
         table.bar(f"times faster than the {reference}, {what}", gain, "≥", least, beside=beside)
+    if solvers.installed("daqp"):
+        mine, its = beside_a_bare_call(9, max(12, int(share * 600)))
+        beside = f"{mine:.3g} ms against {its:.3g} ms"
+        table.bar("times daqp's call alone, N = 9", mine / its, "≤", 2, beside=beside)
+    part, whole = large[1000, "packed"]["auto"], 1e3 * STEP
+    beside = f"{part:.3g} ms of {whole:.0f} ms"
+    table.bar("of the testbed's step, N = 1000, packed", part / whole, "≤", 1, beside=beside)
     plot(growth, arguments.out / "barrier-speed.png")
     print(f"growth with the number of robots: {arguments.out / 'barrier-speed.png'}")
     return recorded("barrier_speed", table)

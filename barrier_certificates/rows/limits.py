@@ -50,8 +50,8 @@ class LimitRows(RowFamily):
         self.turning = turning
         self.top_speed = top_speed
         along, across = normals
-        # (cos, sin) of the heading times these are the turned normals' x and y.
-        self._turned = np.stack([along, -across], axis=1), np.stack([across, along], axis=1)
+        # These times (cos, sin) of the heading are the turned normals' x, then their y.
+        self._turned = np.array([[*along, *across], [*-across, *along]]).T
 
     def partners(self, number: int) -> IntArray:
         """Return which robots each row joins: side by side, every robot with the world."""
@@ -78,9 +78,7 @@ class LimitRows(RowFamily):
 
     def _turn(self, headings: FloatArray, coefficient: FloatArray) -> None:
         """Write each normal, turned by the heading of its robot."""
-        shape = (len(self.names), headings.shape[1])
-        np.matmul(self._turned[0], headings, out=coefficient[0].reshape(shape))
-        np.matmul(self._turned[1], headings, out=coefficient[1].reshape(shape))
+        coefficient[:2] = self._turned.dot(headings).reshape(2, -1)
 
     def measure(self, scene: Scene) -> tuple[FloatArray, FloatArray]:
         """Return nothing: limits have no barrier."""
