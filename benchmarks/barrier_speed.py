@@ -192,8 +192,9 @@ def plot(growth: dict[str, dict[int, float]], path: Path) -> None:
     figure, axes = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
     for name, (label, colour) in shown.items():
         for kind, style in (("swap", "o-"), ("packed", "s--")):
-            line = growth.get(f"{name}, {kind}", {})
-            axes.loglog(line.keys(), line.values(), style, color=colour, label=f"{label}, {kind}")
+            if line := growth.get(f"{name}, {kind}"):
+                words = f"{label}, {kind}"
+                axes.loglog(line.keys(), line.values(), style, color=colour, label=words)
     axes.axhline(33, color="tab:red", linewidth=0.8)
     axes.text(9, 36, "one step of the testbed, 33 ms", color="tab:red", fontsize=8)
     ticks = sorted({n for line in growth.values() for n in line})
