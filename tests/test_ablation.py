@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
+from posflock_robotarium.alignment.intervals import wilson_interval
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.verify import ablate
 from posflock_robotarium.verify.ablation import EFFECT_TRIALS
-from posflock_robotarium.verify.findings import wilson_interval
 from posflock_robotarium.verify.trials import Ran, TrialRoom
 from rps_compat.distributions import ProfileError
 from rps_compat.profiles import chosen_profile

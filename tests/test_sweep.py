@@ -22,7 +22,7 @@ from posflock_robotarium.sweep.parameter_distribution import (
     ParameterSpread,
     StudyError,
 )
-from posflock_robotarium.sweep.results import finished, interval, outcomes, summary, write_tables
+from posflock_robotarium.sweep.results import finished, outcomes, summary, write_tables
 from posflock_robotarium.sweep.store import Store, StoreError
 from posflock_robotarium.sweep.study import parse_study, read_study
 
@@ -291,18 +291,6 @@ def test_a_store_that_cannot_be_made_is_refused(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(OutputError, match="file"):
         Store(tmp_path / "file" / "store")
-
-
-def test_the_interval_covers_the_median():
-    """A 95 % interval misses the true median in about one of twenty samples."""
-    generator = np.random.default_rng(0)
-    missed = 0
-    for _ in range(200):
-        low, high = interval(generator.normal(size=30))
-        assert low <= high
-        missed += not low <= 0.0 <= high
-    assert 1 <= missed <= 25
-    assert interval(np.array([1.0, np.inf, np.inf]))[1] == np.inf
 
 
 def test_tables_are_tidy_and_agree(tmp_path):

@@ -10,8 +10,6 @@ import time
 from pathlib import Path
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 from posflock_robotarium.cli import app
@@ -22,7 +20,6 @@ from posflock_robotarium.verify.findings import (
     Finding,
     Verdict,
     verdict_of,
-    wilson_interval,
 )
 from posflock_robotarium.verify.pages import html, write_report
 from posflock_robotarium.verify.trials import Limits
@@ -242,19 +239,6 @@ def test_bad_requests_are_refused(tmp_path):
             verify(script, **wrong)
     with pytest.raises(ScriptError, match="No such file"):
         verify(tmp_path / "none.py")
-
-
-@given(st.integers(1, 200), st.data())
-def test_wilson_intervals_hold_the_proportion_and_stay_inside(trials, data):
-    hits = data.draw(st.integers(0, trials))
-    low, high = wilson_interval(hits, trials)
-    assert 0.0 <= low <= hits / trials <= high <= 1.0
-    assert high - low < 1.0
-
-
-def test_wilson_intervals_are_the_textbook_ones():
-    assert wilson_interval(0, 20) == pytest.approx((0.0, 0.1611), abs=1e-4)
-    assert wilson_interval(10, 20) == pytest.approx((0.2993, 0.7007), abs=1e-4)
 
 
 def test_the_verdict_is_the_worst_finding_and_notes_cost_nothing():

@@ -13,7 +13,7 @@ faults           collisions and boundary crossings, by the testbed's own test
 options          radius, window, thresholds
 verdicts         a judgement in words, where there are grounds for one
 certainty        how sure they are, by noise and by who is not seen
-fewest_runs      from how many runs on there are intervals
+intervals        of a share, a median, a mean over runs; ``fewest_runs``: from how many on
 analysis         all of it for one run; ``comparison``: for several
 truth            estimates against what a simulator knows
 summary          the numbers of the nine-robot experiment

@@ -1,8 +1,7 @@
 """Several runs side by side: each run's numbers, their mean and how far that can be trusted.
 
-The interval is a percentile bootstrap over runs: runs are drawn with replacement, ten thousand
-times, and the middle 95 % of the resampled means is the interval. Runs are the unit because samples
-within a run are anything but independent. With fewer than three runs there is no interval.
+The interval is a percentile bootstrap over runs (:mod:`posflock_robotarium.alignment.intervals`).
+With fewer than three runs there is none.
 """
 
 from __future__ import annotations
@@ -17,14 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from posflock_robotarium.alignment.analysis import Analysis
-from posflock_robotarium.alignment.fewest_runs import FEWEST_RUNS
+from posflock_robotarium.alignment.intervals import MEAN_RESAMPLES, mean_interval
 from posflock_robotarium.alignment.reference_errors import ReferenceErrors, errors_against
 from posflock_robotarium.alignment.verdicts import headline
 from posflock_robotarium.flocking.errors import ParameterError
 
 Floats = NDArray[np.float64]
-
-RESAMPLES = 10_000
 
 
 @dataclass(frozen=True)
@@ -115,7 +112,7 @@ class Comparison:
             "runs": [analysis.name for analysis in self.analyses],
             "labels": list(self.labels),
             "outcomes": dict(self.outcomes),
-            "interval": f"95 % percentile bootstrap over runs, {RESAMPLES} resamples",
+            "interval": f"95 % percentile bootstrap over runs, {MEAN_RESAMPLES} resamples",
             "numbers": {row.key: _without_nan(asdict(row)) for row in self.rows},
             "errors_against_reference": [_without_nan(asdict(errors)) for errors in self.errors],
         }
@@ -277,9 +274,4 @@ def spread_of(values: Floats, *, seed: int = 0) -> Spread:
     if not known.size:
         return Spread(0, nan, nan, nan, nan, nan)
     mean, least, most = float(known.mean()), float(known.min()), float(known.max())
-    if known.size < FEWEST_RUNS:
-        return Spread(int(known.size), mean, nan, nan, least, most)
-    rng = np.random.default_rng(seed)
-    drawn = rng.integers(0, known.size, size=(RESAMPLES, known.size))
-    low, high = np.quantile(known[drawn].mean(axis=1), [0.025, 0.975])
-    return Spread(int(known.size), mean, float(low), float(high), least, most)
+    return Spread(int(known.size), mean, *mean_interval(known, seed=seed), least, most)

@@ -19,6 +19,7 @@ from posflock_robotarium.flocking.flock import Flock
 from posflock_robotarium.flocking.law import LawParameters
 from posflock_robotarium.logs.run import Run
 from posflock_robotarium.simulation.flock_trial import Trial, described, robot_for
+from rps_compat.arena_guests import Realism
 from rps_compat.batch import BatchArena
 from rps_compat.realism import Profile
 from rps_compat.testbed import RobotModel
@@ -33,7 +34,7 @@ def simulate_teams(
     *,
     seeds: Sequence[int],
     robot: RobotModel | None = None,
-    realism: Profile | Sequence[Profile | None] | None = None,
+    realism: Profile | Sequence[Profile | Realism | None] | None = None,
     laws: Sequence[LawParameters] | None = None,
     engine: Engine = "auto",
     threads: int | None = None,
@@ -55,7 +56,7 @@ def simulate_teams(
     robot : RobotModel, optional
         The robots and the arena that they drive in and are judged by; by default GRITSBot X in the
         arena, and with the time step, that the flock is made for.
-    realism : Profile or sequence of B Profile or None, optional
+    realism : Profile or sequence of B Profile, Realism or None, optional
         Imperfections of motors and tracking, alike for all or of each team; none in the ideal
         arena.
     laws : sequence of B LawParameters, optional

@@ -7,10 +7,13 @@ import typer
 
 from posflock_robotarium.commands import options
 from posflock_robotarium.commands.terminal import say
+from posflock_robotarium.paper.default_seeds import SEEDS
 
 
 def reproduce(
-    seeds: Annotated[int, typer.Option(min=2, help="Runs of each model.")] = 20,
+    seeds: Annotated[
+        int, typer.Option(min=2, help="Runs of each model and of the robots; few rehearse quickly.")
+    ] = SEEDS,
     seed: options.FirstSeed = 0,
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for all files.")] = Path(
         "results/paper"
@@ -20,12 +23,15 @@ def reproduce(
 ) -> None:
     """Recompute every figure, table and checkable sentence of the paper, and say which hold.
 
-    Writes claims.md, claims.json, tables.md, CSV tables, and figures/ as PDF and PNG.  A
-    claim that does not hold is a finding, not an error: the exit code is 0.
+    Writes claims.md, claims.json, tables.md, CSV tables, and figures/ as PDF and PNG.  Verdicts
+    follow from 95 % intervals over seeds: few seeds leave claims "not settled".  A claim that
+    does not hold is a finding, not an error: the exit code is 0.
 
     [bold]Examples[/bold]
 
-        posflock reproduce --seeds 40 --seed 100 -o results/other-seeds
+        posflock reproduce --seed 1000 -o results/other-seeds
+
+        posflock reproduce --seeds 10 -o results/rehearsal
     """
     import json
 
@@ -39,7 +45,7 @@ def reproduce(
         say(json.dumps(claims, indent=2, ensure_ascii=False))
         return
     for judgement in found.judgements:
-        say(f"{judgement.verdict.value:14} {judgement.claim.id:28} {judgement.value:.3g}")
+        say(f"{judgement.verdict.value:14} {judgement.claim.id:28} {judgement.measured.text}")
     verdicts = ", ".join(f"{count} {verdict.value}" for verdict, count in found.verdicts.items())
     say(f"{len(found.judgements)} claims: {verdicts}")
     say(f"written: {out}/claims.md, claims.json, tables.md, figures/")

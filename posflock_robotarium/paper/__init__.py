@@ -6,8 +6,8 @@ seeds, as four steps that only look back:
 
 =============  ==================================================================
 evidence       run everything that is judged or drawn, on all processors
-claims         a sentence of the paper, a number measured in the evidence, and the
-               thresholds that turn the number into a verdict
+claims         a sentence of the paper, a number measured in the evidence with its
+               interval, and the thresholds that turn this into a verdict
 tables         the qualitative table with numbers, and the table over seeds
 paper_figures  the paper's figures, with median and quartiles over seeds
 =============  ==================================================================

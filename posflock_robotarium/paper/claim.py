@@ -1,10 +1,20 @@
 """A sentence of the paper that can be checked, and what becomes of it.
 
-A verdict is never written by hand.  A claim names one number, measured in the evidence,
-and two thresholds declared beside the sentence: at or beyond the first the claim *holds*,
-at or beyond the second it *holds weakly*, else it *does not hold*.  What is written by
-hand is only why a result comes out as it does, and it is shown only with the verdict that
-it explains.
+A verdict is never written by hand.  A claim names one number, measured in the evidence, and two
+thresholds declared beside the sentence.  A number over seeds comes with its 95 % interval, and
+other seeds would give another number in it, so that the interval is judged and not the number:
+
+=============  ==============================================================================
+holds          the whole interval is at or beyond the first threshold
+holds weakly   the whole interval is at or beyond the second one: weakly at least.  Whether it
+               reaches beyond the first, so that more seeds could show more, is said beside it
+does not hold  the whole interval is before the second one
+not settled    the second one is within the interval: these seeds do not tell; nor do fewer
+               than three, of which there is no interval
+=============  ==============================================================================
+
+A number that no seed changes is its own interval, and is always settled.  What is written by hand
+is only why a result comes out as it does, and it is shown only with the verdict that it explains.
 """
 
 from __future__ import annotations
@@ -18,6 +28,10 @@ import numpy as np
 
 from barrier_certificates import ties
 from posflock_robotarium.paper.evidence import Evidence
+from posflock_robotarium.paper.measured import Measured
+
+#: Thresholds of shares over seeds where the paper speaks of every flock: 95 in 100 do it, 75 do.
+NEARLY_ALL, MOST = 0.95, 0.75
 
 
 class Result(Enum):
@@ -25,6 +39,7 @@ class Result(Enum):
 
     HOLDS = "holds"
     HOLDS_WEAKLY = "holds weakly"
+    NOT_SETTLED = "not settled"
     DOES_NOT_HOLD = "does not hold"
 
     @property
@@ -33,6 +48,7 @@ class Result(Enum):
         return {
             Result.HOLDS: "✓",
             Result.HOLDS_WEAKLY: "~",
+            Result.NOT_SETTLED: "?",
             Result.DOES_NOT_HOLD: "✗",
         }[self]
 
@@ -57,11 +73,11 @@ class Claim:
     test : str
         What is measured, in words.
     measure : function of Evidence
-        Gives the number that is judged, in `unit`; NaN where it cannot be measured.
+        Gives the number that is judged, in `unit`, with its interval.
     sense : Sense
         Which side of the thresholds the paper claims.
     holds, weakly : float
-        Thresholds, in `unit`: from the first on the claim holds, from the second on weakly.
+        Thresholds, in `unit`: what is at or beyond the first holds, beyond the second weakly.
     unit : str
         Of the number; empty for shares and cosines.
     reasons : mapping of Result to str
@@ -71,7 +87,7 @@ class Claim:
     id: str
     claim: str
     test: str
-    measure: Callable[[Evidence], float]
+    measure: Callable[[Evidence], Measured]
     sense: Sense
     holds: float
     weakly: float
@@ -86,17 +102,41 @@ class Claim:
         evidence : Evidence
             Every run of the reproduction.
         """
-        value = float(self.measure(evidence))
-        return Judgement(self, value, self._verdict(value))
+        measured = self.measure(evidence)
+        return Judgement(self, measured, self._verdict(measured))
 
-    def _verdict(self, value: float) -> Result:
-        # A number that could not be measured (NaN) compares as false: nothing holds.
-        sign = 1.0 if self.sense is Sense.AT_LEAST else -1.0
-        if ties.reached(sign * value, sign * self.holds):
+    def _verdict(self, measured: Measured) -> Result:
+        if measured.interval is None:
+            return Result.NOT_SETTLED
+        worst, best = self._ends(measured.interval)
+        if ties.reached(worst, self._sign * self.holds):
             return Result.HOLDS
-        if ties.reached(sign * value, sign * self.weakly):
+        if ties.reached(worst, self._sign * self.weakly):
             return Result.HOLDS_WEAKLY
-        return Result.DOES_NOT_HOLD
+        # A number that could not be measured (NaN) compares as false: nothing holds.
+        within = ties.reached(best, self._sign * self.weakly)
+        return Result.NOT_SETTLED if within else Result.DOES_NOT_HOLD
+
+    def could_hold(self, measured: Measured) -> bool:
+        """Return whether the best end of the interval is at or beyond the first threshold.
+
+        Parameters
+        ----------
+        measured : Measured
+            A number in the claim's unit.
+        """
+        if measured.interval is None:
+            return True
+        return bool(ties.reached(self._ends(measured.interval)[1], self._sign * self.holds))
+
+    @property
+    def _sign(self) -> float:
+        return 1.0 if self.sense is Sense.AT_LEAST else -1.0
+
+    def _ends(self, interval: tuple[float, float]) -> tuple[float, float]:
+        """Return the ends for and against the claim, more being better: the worst and the best."""
+        low, high = interval
+        return (low, high) if self.sense is Sense.AT_LEAST else (-high, -low)
 
 
 @dataclass(frozen=True)
@@ -107,33 +147,62 @@ class Judgement:
     ----------
     claim : Claim
         What the paper says.
-    value : float
-        What was measured, in the claim's unit.
+    measured : Measured
+        The number, in the claim's unit, with its interval.
     verdict : Result
         Whether it holds.
     """
 
     claim: Claim
-    value: float
+    measured: Measured
     verdict: Result
+
+    @property
+    def value(self) -> float:
+        """What was measured, in the claim's unit."""
+        return self.measured.value
 
     @property
     def reason(self) -> str:
         """The comparison that made the verdict, and why where that is known."""
         claim, unit = self.claim, f" {self.claim.unit}" if self.claim.unit else ""
         compared = (
-            f"Measured {self.value:.3g}{unit}; holds {claim.sense.value} {claim.holds:g}{unit},"
+            f"Measured {self._number}; holds {claim.sense.value} {claim.holds:g}{unit},"
             f" weakly {claim.sense.value} {claim.weakly:g}{unit}."
         )
-        return " ".join([compared, claim.reasons.get(self.verdict, "")]).strip()
+        sentences = [compared, self._open, claim.reasons.get(self.verdict, "")]
+        return " ".join(sentence for sentence in sentences if sentence)
+
+    @property
+    def _number(self) -> str:
+        measured, unit = self.measured, f" {self.claim.unit}" if self.claim.unit else ""
+        value = f"{measured.value:.3g}{unit}"
+        if measured.runs is None:
+            return value
+        if measured.interval is None:
+            return f"{value} over {measured.runs} seeds, too few for an interval"
+        low, high = measured.interval
+        return f"{value} over {measured.runs} seeds, 95 % interval {low:.3g} to {high:.3g}{unit}"
+
+    @property
+    def _open(self) -> str:
+        """What the interval leaves open, in words."""
+        if self.verdict is Result.NOT_SETTLED:
+            return "These seeds do not settle it." if self.measured.interval else ""
+        if self.verdict is Result.HOLDS_WEAKLY and self.claim.could_hold(self.measured):
+            return "It holds weakly at least; whether it holds in full these seeds do not settle."
+        return ""
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the judgement for ``claims.json``; a value that is not finite becomes null."""
+        """Return the judgement for ``claims.json``; a number that is not finite becomes null."""
+        ends = self.measured.interval
         return {
             "id": self.claim.id,
             "claim": self.claim.claim,
             "test": self.claim.test,
-            "value": self.value if np.isfinite(self.value) else None,
+            "value": _finite(self.measured.value),
+            "interval": None if ends is None else [_finite(end) for end in ends],
+            "runs": self.measured.runs,
             "unit": self.claim.unit,
             "thresholds": {
                 "sense": self.claim.sense.value,
@@ -143,3 +212,7 @@ class Judgement:
             "verdict": self.verdict.value,
             "reason": self.reason,
         }
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None

@@ -29,7 +29,13 @@ CUBE_SIDE = 18.5
 #: An agent without a velocity sensor takes the difference of positions so far apart, s.
 DIFFERENCE_INTERVAL = 0.2
 
-_POSITION_NOISE = (0.0, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5)
+#: Values of δ that are compared, m.
+DISTANCE_SCALES = (0.3, 0.4, 0.5, 0.6, 0.8)
+
+#: Position noise under which P-based is compared with V-based that differentiates, m.
+JUDGED_NOISE = (0.02, 0.05, 0.1)
+
+_POSITION_NOISE = (0.0, 0.01, *JUDGED_NOISE, 0.2, 0.5)
 
 
 class Varied(Enum):
@@ -60,6 +66,21 @@ class Varied(Enum):
         self.unit = unit
 
 
+#: The values of each study, by model, that claims are judged by: these run over all seeds, the
+#: rest, which are drawn and tabled, over a fifth of them.
+_JUDGED: dict[tuple[Varied, Model], tuple[float, ...]] = {
+    (Varied.DISTANCE_SCALE, Model.VELOCITY): DISTANCE_SCALES,
+    (Varied.DISTANCE_SCALE, Model.POSITION): DISTANCE_SCALES,
+    (Varied.THREE_DIMENSIONS, Model.POSITION): (3.0,),
+    (Varied.LARGER_TEAMS, Model.POSITION): (2.0,),
+    (Varied.POSITION_NOISE, Model.POSITION): JUDGED_NOISE,
+    (Varied.DIFFERENTIATED_NOISE, Model.VELOCITY): JUDGED_NOISE,
+    (Varied.DROPOUT, Model.POSITION): (0.1,),
+    (Varied.VANISHING, Model.POSITION): (0.1,),
+    (Varied.STOPPING, Model.POSITION): (0.02,),
+}
+
+
 @dataclass(frozen=True)
 class Variation:
     """One parameter changed.
@@ -77,6 +98,11 @@ class Variation:
     study: Varied
     value: float
     scenario: FreeSpace
+
+    @property
+    def judged(self) -> bool:
+        """Whether a claim is judged by it."""
+        return self.value in _JUDGED.get((self.study, self.scenario.model), ())
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +150,7 @@ class Evidence:
     Attributes
     ----------
     seeds : tuple of int
-        Of the paper's simulation.
+        Over which claims are judged.
     measures : dict of Model to Measures
         (B, T) over seeds.
     singles : dict of Model to PointRun
@@ -133,9 +159,9 @@ class Evidence:
         Of the position-based models: how hard the imprint pulls at the end, as a share
         of its pull at t = 1/k.
     variations : tuple of (Variation, Measures)
-        In the order of :func:`variations`; fewer seeds.
+        In the order of :func:`variations`; those by which no claim is judged over fewer seeds.
     robots, imperfect_robots : Robots
-        Nine robots, in the ideal arena and with actuation and tracking noise.
+        Nine robots, in the ideal arena and with actuation and tracking noise, over all seeds.
     """
 
     seeds: tuple[int, ...]
@@ -176,7 +202,7 @@ class Evidence:
         values : (V,) array
             What was varied, in the study's unit.
         numbers : list of dict of (B,) arrays
-            The numbers at each value, over seeds.
+            The numbers at each value, over the seeds that it was run with.
         """
         chosen = [
             (variation.value, summarise(measures))
@@ -219,7 +245,7 @@ def variations(paper: FreeSpace) -> Iterator[Variation]:
     for value in (0.0125, 0.025, 0.05, 0.1, 0.2):
         for model in Model:
             yield Variation(Varied.TIME_STEP, value, replace(base, model=model, time_step=value))
-    for value in (0.3, 0.4, 0.5, 0.6, 0.8):
+    for value in DISTANCE_SCALES:
         for model in both:
             law = replace(base.law, distance_scale=value)
             yield Variation(Varied.DISTANCE_SCALE, value, replace(base, model=model, law=law))

@@ -19,20 +19,21 @@ from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.flocking.law import displacements, neighbours, phi
 from posflock_robotarium.flocking.paper_models import Model
 from posflock_robotarium.freespace.simulation import FreeSpace, PointRun, simulate_batch
+from posflock_robotarium.paper.default_seeds import SEEDS
 from posflock_robotarium.paper.evidence import Evidence, Robots, Variation, variations
-from posflock_robotarium.paper.robots import Drive, drive
+from posflock_robotarium.paper.robots import drive
 from posflock_robotarium.simulation.workers import local_pool
 
 Floats = NDArray[np.float64]
 
-#: Flocks that advance together in one task of the pool.
-_TOGETHER = 8
+#: Flocks, and teams of robots, that advance together in one task of the pool.
+_TOGETHER, _TEAMS_TOGETHER = 8, 25
 
 _IMPRINTED = (Model.POSITION, Model.POSITION_NO_THRESHOLD)
 
 
 def gather(
-    seeds: int = 20,
+    seeds: int = SEEDS,
     *,
     first_seed: int = 0,
     paper: FreeSpace | None = None,
@@ -45,8 +46,8 @@ def gather(
     Parameters
     ----------
     seeds : int
-        Seeds of the paper's simulation, at least 2; the robots and the variations run half as
-        many, at least two.
+        Of everything that claims are judged by, at least 2; variations that are only drawn and
+        tabled run a fifth as many, at least two.
     first_seed : int
         Seeds count up from here.
     paper : FreeSpace, optional
@@ -88,8 +89,8 @@ _OfPaper = tuple[Measures, PointRun, Floats]
 class _Tasks:
     """What is being computed, each group with the tasks that it is made of."""
 
-    driven: list[Future[Drive]]
-    driven_imperfectly: list[Future[Drive]]
+    driven: list[Future[Robots]]
+    driven_imperfectly: list[Future[Robots]]
     varied: list[tuple[Variation, list[Future[Measures]]]]
     """Variations whose scenarios are equal have the same tasks."""
     compared: dict[Model, list[Future[_OfPaper]]]
@@ -121,20 +122,24 @@ class _Tasks:
 def _submit(
     pool: Executor, simulation: FreeSpace, of_paper: tuple[int, ...], driving: float
 ) -> _Tasks:
-    """Have everything computed: the paper's simulation for all seeds, the rest for half of them."""
-    fewer = of_paper[: max(2, len(of_paper) // 2)]
+    """Have everything computed: what is judged for all seeds, the rest for a fifth of them."""
+    fewer = of_paper[: max(2, len(of_paper) // 5)]
     driven, imperfectly = (
-        [pool.submit(drive, seed, imperfect=imperfect, duration=driving) for seed in fewer]
+        [
+            pool.submit(drive, part, imperfect=imperfect, duration=driving)
+            for part in _parts(of_paper, _TEAMS_TOGETHER)
+        ]
         for imperfect in (False, True)
     )
     # Many variations pass through the paper's own values: equal scenarios run once.
+    all_ = [(each, str(each.scenario.as_dict())) for each in variations(simulation)]
+    judged = {text for variation, text in all_ if variation.judged}
     once: dict[str, list[Future[Measures]]] = {}
-    varied = []
-    for variation in variations(simulation):
-        text = str(variation.scenario.as_dict())
+    for variation, text in all_:
         if text not in once:
-            once[text] = [pool.submit(_run, variation.scenario, part) for part in _parts(fewer)]
-        varied.append((variation, once[text]))
+            seeds = of_paper if text in judged else fewer
+            once[text] = [pool.submit(_run, variation.scenario, part) for part in _parts(seeds)]
+    varied = [(variation, once[text]) for variation, text in all_]
     compared = {
         model: [
             pool.submit(_run_paper, replace(simulation, model=model), part)
@@ -145,8 +150,8 @@ def _submit(
     return _Tasks(driven, imperfectly, varied, compared)
 
 
-def _parts(seeds: Sequence[int]) -> list[Sequence[int]]:
-    return [seeds[at : at + _TOGETHER] for at in range(0, len(seeds), _TOGETHER)]
+def _parts(seeds: Sequence[int], together: int = _TOGETHER) -> list[Sequence[int]]:
+    return [seeds[at : at + together] for at in range(0, len(seeds), together)]
 
 
 def _joined(parts: Sequence[Measures]) -> Measures:
@@ -176,12 +181,11 @@ def _imprint_pull(scenario: FreeSpace, recording: PointRun, time: float) -> Floa
     return np.asarray(np.sqrt(np.square(pull).sum(axis=1)).mean(axis=-1))
 
 
-def _robots(runs: Sequence[Drive]) -> Robots:
-    first = runs[0].log
+def _robots(parts: Sequence[Robots]) -> Robots:
     return Robots(
-        first.t,
-        np.stack([run.gamma_headings for run in runs]),
-        np.stack([run.gamma_motion for run in runs]),
-        tuple(run.summary for run in runs),
-        first,
+        parts[0].times,
+        np.concatenate([part.gamma_headings for part in parts]),
+        np.concatenate([part.gamma_motion for part in parts]),
+        tuple(summary for part in parts for summary in part.summaries),
+        parts[0].single,
     )

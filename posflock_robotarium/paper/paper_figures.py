@@ -353,7 +353,8 @@ def _line(axes: Axes, times: Floats, values: Floats, single: bool, label: str, l
 def _spread(axes: Axes, evidence: Evidence, curve: _Curve, name: str) -> Floats:
     """Draw the medians of a number with bars from quartile to quartile; return the values."""
     values, numbers = evidence.study(curve.study, curve.model)
-    low, middle, high = _quartiles(np.stack([each[name] for each in numbers]).T)
+    # Value by value: what a claim is judged by has more seeds than the rest.
+    low, middle, high = np.transpose([_quartiles(each[name]) for each in numbers])
     axes.errorbar(
         values,
         middle,

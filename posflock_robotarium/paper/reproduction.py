@@ -12,6 +12,7 @@ from posflock_robotarium.flocking.errors import OutputError
 from posflock_robotarium.freespace.simulation import FreeSpace
 from posflock_robotarium.paper.claim import Judgement, Result
 from posflock_robotarium.paper.claims import judge_all
+from posflock_robotarium.paper.default_seeds import SEEDS
 from posflock_robotarium.paper.evidence import Evidence
 from posflock_robotarium.paper.gathering import gather
 from posflock_robotarium.paper.tables import over_seeds, qualitative, varied
@@ -44,7 +45,7 @@ class Reproduction:
 
 def reproduce(
     folder: Path,
-    seeds: int = 20,
+    seeds: int = SEEDS,
     *,
     first_seed: int = 0,
     paper: FreeSpace | None = None,
@@ -132,9 +133,15 @@ def claims_page(judgements: list[Judgement], evidence: Evidence) -> str:
         "# The paper's claims, tested",
         "",
         f"{len(judgements)} sentences over seeds {first} to {last} ({len(evidence.seeds)} runs of"
-        " each model; variations and robots over half as many): "
+        " each model and of the robots): "
         + ", ".join(f"{counted[v]} {v.mark} {v.value}" for v in Result)
-        + ".  Verdicts are computed from the thresholds stated with each claim.",
+        + ".",
+        "",
+        "Verdicts are computed from the thresholds stated with each claim, and from 95 % intervals,"
+        " in brackets: Wilson's of shares, bootstrapped of medians.  A claim *holds* where the"
+        " whole interval is at or beyond its threshold, *holds weakly* where it is at or beyond the"
+        " weaker one, *does not hold* where it is before that, and is *not settled* where that is"
+        " within it.  Numbers without brackets are changed by no seed.",
         "",
         "| | claim | measured | verdict |",
         "| --- | --- | --- | --- |",
@@ -143,7 +150,7 @@ def claims_page(judgements: list[Judgement], evidence: Evidence) -> str:
         claim = judgement.claim
         lines.append(
             f"| {judgement.verdict.mark} | [{claim.id}](#{claim.id}) |"
-            f" {judgement.value:.3g} {claim.unit} | {judgement.verdict.value} |"
+            f" {judgement.measured.text} {claim.unit} | {judgement.verdict.value} |"
         )
     for judgement in judgements:
         claim = judgement.claim

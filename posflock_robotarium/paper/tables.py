@@ -12,6 +12,7 @@ import numpy as np
 from posflock_robotarium.alignment.point_agents import summarise
 from posflock_robotarium.flocking.paper_models import Model
 from posflock_robotarium.paper.evidence import Evidence, Floats
+from posflock_robotarium.paper.measured import median_of
 
 #: What a table over seeds shows, in order: the key of a summary, a title, a unit.
 QUANTITIES: tuple[tuple[str, str, str], ...] = (
@@ -31,6 +32,9 @@ QUANTITIES: tuple[tuple[str, str, str], ...] = (
     ("change_variance_settled", "variance of their change, t > 20 s", "m²"),
     ("components_end", "connected groups at 100 s", ""),
 )
+
+#: What stands in a cell over seeds.
+_CELLS = "median [95 % interval] (quartiles; extremes)"
 
 #: The paper's Table 2: characteristic, its words for V-based and P-based, and what we measure:
 #: the key of a summary, a title, a unit.
@@ -103,7 +107,7 @@ class PaperTable:
 
 
 def over_seeds(evidence: Evidence) -> PaperTable:
-    """Return median, quartiles and extremes over seeds of every quantity and model.
+    """Return median, interval, quartiles and extremes over seeds of every quantity and model.
 
     Parameters
     ----------
@@ -114,10 +118,10 @@ def over_seeds(evidence: Evidence) -> PaperTable:
     for key, title, unit in QUANTITIES:
         if any(key not in evidence.numbers(model) for model in Model):
             continue  # runs that end before it
-        cells = [_median_and_quartiles(evidence.numbers(model)[key]) for model in Model]
+        cells = [_spread(evidence.numbers(model)[key]) for model in Model]
         rows.append([title + (f" ({unit})" if unit else ""), *cells])
     return PaperTable(
-        f"The paper's simulation over {len(evidence.seeds)} seeds: median (quartiles; extremes)",
+        f"The paper's simulation over {len(evidence.seeds)} seeds: {_CELLS}",
         ["quantity", *(model.label for model in Model)],
         rows,
     )
@@ -133,14 +137,10 @@ def qualitative(evidence: Evidence) -> PaperTable:
     """
     rows = []
     for characteristic, velocity, position, key, title, unit in _QUALITATIVE:
-        v, p = (
-            float(np.median(evidence.numbers(m)[key])) for m in (Model.VELOCITY, Model.POSITION)
-        )
-        rows.append(
-            [characteristic, f"{velocity} ({v:.3g}{unit})", f"{position} ({p:.3g}{unit})", title]
-        )
+        v, p = (median_of(evidence.numbers(m)[key]).text for m in (Model.VELOCITY, Model.POSITION))
+        rows.append([characteristic, f"{velocity} ({v}{unit})", f"{position} ({p}{unit})", title])
     return PaperTable(
-        "The paper's qualitative comparison, with measured medians",
+        "The paper's qualitative comparison, with measured medians [95 % interval]",
         ["characteristic", Model.VELOCITY.label, Model.POSITION.label, "measured"],
         rows,
     )
@@ -162,17 +162,17 @@ def varied(evidence: Evidence) -> PaperTable:
         numbers = summarise(measures)
         study = variation.study
         name = study.title + (f" ({study.unit})" if study.unit else "")
-        cells = [_median_and_quartiles(numbers[key]) for key in keys]
-        rows.append([name, f"{variation.value:g}", variation.scenario.model.label, *cells])
+        cells = [_spread(numbers[key]) for key in keys]
+        runs = str(len(measures.gamma))
+        rows.append([name, f"{variation.value:g}", variation.scenario.model.label, runs, *cells])
     return PaperTable(
-        f"Beyond the paper, over {len(evidence.variations[0][1].gamma)} seeds: median"
-        " (quartiles; extremes)",
-        ["varied", "value", "model", *titles],
+        f"Beyond the paper: {_CELLS}",
+        ["varied", "value", "model", "seeds", *titles],
         rows,
     )
 
 
-def _median_and_quartiles(values: Floats) -> str:
+def _spread(values: Floats) -> str:
     # "nearest" never interpolates: runs that never aligned (infinite) stay what they are.
     low, q1, q3, high = np.percentile(values, [0, 25, 75, 100], method="nearest")
-    return f"{np.median(values):.3g} ({q1:.3g} to {q3:.3g}; {low:.3g} to {high:.3g})"
+    return f"{median_of(values).text} ({q1:.3g} to {q3:.3g}; {low:.3g} to {high:.3g})"

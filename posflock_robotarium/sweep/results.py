@@ -17,18 +17,12 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from posflock_robotarium.alignment.fewest_runs import FEWEST_RUNS
+from posflock_robotarium.alignment.intervals import median_interval
 from posflock_robotarium.sweep.store import ENGINE, ERROR, Row, Store
 from posflock_robotarium.sweep.study import Study
 from rps_compat.whole_files import atomic_write, write_whole
 
-Floats = NDArray[np.float64]
-
-#: Of confidence intervals.
-CONFIDENCE = 0.95
-_RESAMPLES = 2000
 #: Columns of a summary behind those of the grid.
 _OF_SUMMARY = ("outcome", "runs", "median", "low", "high", "q1", "q3")
 #: The table for programs, beside the one that everybody opens.
@@ -143,7 +137,7 @@ def summary(study: Study, rows: Sequence[Row]) -> list[Row]:
             values = np.array([row[name] for row in of_point if name in row], dtype=float)
             if not values.size:
                 continue
-            low, high = (None if math.isnan(end) else end for end in interval(values))
+            low, high = (None if math.isnan(end) else end for end in median_interval(values))
             q1, q3 = np.percentile(values, [25, 75], method="nearest")
             median = float(np.median(values))
             found.append(
@@ -151,30 +145,6 @@ def summary(study: Study, rows: Sequence[Row]) -> list[Row]:
                 | {"low": low, "high": high, "q1": float(q1), "q3": float(q3)}
             )
     return found
-
-
-def interval(values: Floats) -> tuple[float, float]:
-    """Return the 95 % bootstrap interval of the median, always the same for the same values.
-
-    Parameters
-    ----------
-    values : (n,) array
-        One number of every run; infinite ones count, too.
-
-    Returns
-    -------
-    pair of float
-        Its ends; NaN of fewer than `FEWEST_RUNS` runs, which tell none.
-    """
-    if len(values) < FEWEST_RUNS:
-        return math.nan, math.nan
-    generator = np.random.default_rng(len(values))
-    drawn = generator.integers(len(values), size=(_RESAMPLES, len(values)))
-    # Runs that never aligned are infinite: "nearest" picks one, where others interpolate.
-    medians = np.median(values[drawn], axis=1)
-    tail = 50.0 * (1.0 - CONFIDENCE)
-    low, high = np.percentile(medians, [tail, 100.0 - tail], method="nearest")
-    return float(low), float(high)
 
 
 def write_tables(study: Study, store: Store, folder: Path) -> list[Path]:

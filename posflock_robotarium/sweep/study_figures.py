@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from posflock_robotarium.alignment.fewest_runs import FEWEST_RUNS
+from posflock_robotarium.alignment.intervals import median_interval
 from posflock_robotarium.figures.look import Look
 from posflock_robotarium.figures.style import BLACK, BLUE, GREEN, ORANGE, in_style, new_figure, save
 from posflock_robotarium.sweep.parameter_distribution import StudyError
-from posflock_robotarium.sweep.results import interval, outcomes, succeeded
+from posflock_robotarium.sweep.results import outcomes, succeeded
 from posflock_robotarium.sweep.store import Row
 from posflock_robotarium.sweep.study import Figure as Asked
 from posflock_robotarium.sweep.study import Study
@@ -151,7 +152,7 @@ def _medians(
         for x in values
     ]
     middle = np.array([np.median(run) if run.size else np.nan for run in runs])
-    ends = np.transpose([interval(run) for run in runs])
+    ends = np.transpose([median_interval(run) for run in runs])
     low, high = np.where(np.isnan(ends), middle, ends)  # of few runs there is no bar
     # Words have no places on an axis: they are put one after another.
     numeric = all(isinstance(x, (int, float)) and not isinstance(x, bool) for x in values)

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from posflock_robotarium.alignment.intervals import told_interval
 from posflock_robotarium.flocking.errors import ParameterError
 from posflock_robotarium.verify import static
-from posflock_robotarium.verify.findings import told_interval
 from rps_compat.running.outcome import Ended
 from rps_compat.scripts.evidence import evidence_of
 from rps_compat.violations import FaultKind

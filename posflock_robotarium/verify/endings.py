@@ -6,7 +6,8 @@ import errno
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from posflock_robotarium.verify.findings import Code, Finding, Verdict, told_interval
+from posflock_robotarium.alignment.intervals import told_interval
+from posflock_robotarium.verify.findings import Code, Finding, Verdict
 from posflock_robotarium.verify.trials import Ran
 from rps_compat import testbed
 from rps_compat.running.outcome import Ended, Failure, Outcome

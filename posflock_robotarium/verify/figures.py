@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from posflock_robotarium.verify.findings import told_interval
+from posflock_robotarium.alignment.intervals import told_interval
 from posflock_robotarium.verify.motion import largest_wheel_speed, saturated_steps
 from posflock_robotarium.verify.timing import recommended_duration
 from rps_compat.violations import FaultKind

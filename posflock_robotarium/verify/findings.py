@@ -8,13 +8,11 @@ figure of a run), how bad that is, and what to do about it.  Its ``code`` is sta
 from __future__ import annotations
 
 import enum
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
 from barrier_certificates.word_enum import WordEnum
-from posflock_robotarium.alignment.fewest_runs import FEWEST_RUNS
 from rps_compat import testbed
 
 
@@ -201,49 +199,6 @@ def verdict_of(findings: Iterable[Finding]) -> Verdict:
         What was found.
     """
     return max([Verdict.PASS, *(finding.verdict for finding in findings)])
-
-
-def wilson_interval(successes: int, trials: int, z: float = 1.959964) -> tuple[float, float]:
-    """Return Wilson's score interval of a proportion, 95 % by default.
-
-    Unlike the textbook ± it stays inside [0, 1] and says something after 0 of n: up to
-    z²/(n + z²), which is 16 % after 0 of 20.  Wilson, J. Am. Stat. Assoc. 22 (1927) 209.
-
-    Parameters
-    ----------
-    successes : int
-        In how many trials it happened.
-    trials : int
-        Number of trials, 1 or more.
-    z : float
-        Quantile of the normal distribution: 1.96 for 95 %.
-
-    Raises
-    ------
-    ValueError
-        Where the numbers are no proportion.
-    """
-    if trials < 1 or not 0 <= successes <= trials:
-        raise ValueError(f"expected 0 ≤ successes ≤ trials ≥ 1, got {successes} of {trials}")
-    share, spread = successes / trials, z * z / trials
-    centre = (share + spread / 2) / (1 + spread)
-    half = z * math.sqrt(share * (1 - share) / trials + spread / (4 * trials)) / (1 + spread)
-    low = 0.0 if successes == 0 else centre - half
-    high = 1.0 if successes == trials else centre + half
-    return max(0.0, low), min(1.0, high)
-
-
-def told_interval(successes: int, trials: int) -> tuple[float, float] | None:
-    """Return the same where there are enough trials to tell one; None otherwise.
-
-    Parameters
-    ----------
-    successes : int
-        In how many trials it happened.
-    trials : int
-        Number of trials, 1 or more.
-    """
-    return wilson_interval(successes, trials) if trials >= FEWEST_RUNS else None
 
 
 def interval_text(interval: tuple[float, float] | None) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from barrier_certificates import ties
+from posflock_robotarium.alignment.intervals import told_interval, wilson_interval
 from posflock_robotarium.verify.endings import is_explained
 from posflock_robotarium.verify.findings import (
     Code,
@@ -13,8 +14,6 @@ from posflock_robotarium.verify.findings import (
     Verdict,
     count,
     interval_text,
-    told_interval,
-    wilson_interval,
 )
 from rps_compat import testbed
 from rps_compat.running.outcome import Ended, Outcome

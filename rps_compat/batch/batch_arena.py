@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from barrier_certificates.batch.compiling import Engine, is_compiled, over_teams
 from rps_compat.arena import require_finite
 from rps_compat.arena_guests import Array
-from rps_compat.batch.batch_effects import BatchRealism, begin, move
+from rps_compat.batch.batch_effects import BatchRealism, TeamRealism, begin, move
 from rps_compat.batch.batch_violations import BatchViolations, empty_tally
 from rps_compat.batch.step_arrays import judged
 from rps_compat.batch.step_constants import constants_of
@@ -36,9 +36,9 @@ class BatchArena:
         Initial poses, m and rad. Copied.
     robot : RobotModel
         Dimensions and limits.
-    realism : Profile or sequence of B Profile or None, optional
-        Imperfections of motors and tracking, alike for all or of each team; None is the ideal
-        arena.
+    realism : Profile or sequence of B Profile, Realism or None, optional
+        Imperfections of motors and tracking, alike for all or of each team: a profile, or what a
+        single arena would be given, an object of its own; None is the ideal arena.
     seeds : sequence of int or Generator, optional
         What each team draws from, as ``default_rng(seed)`` in a single arena; needed with realism.
     engine : {"auto", "numba", "numpy"}
@@ -85,7 +85,7 @@ class BatchArena:
         poses: ArrayLike,
         robot: RobotModel = GRITSBOT_X,
         *,
-        realism: Profile | Sequence[Profile | None] | None = None,
+        realism: Profile | Sequence[TeamRealism] | None = None,
         seeds: Sequence[int | np.random.Generator] | None = None,
         engine: Engine = "auto",
         threads: int | None = None,
@@ -109,9 +109,9 @@ class BatchArena:
         self._observed: Array | None = None
         self.realism: BatchRealism | None = None
         if realism is not None:
-            profiles = [realism] * teams if isinstance(realism, Profile) else realism
-            generators = _generators(seeds, profiles, teams)
-            self.realism = begin(profiles, self.poses, robot.time_step, generators)
+            given = [realism] * teams if isinstance(realism, Profile) else realism
+            generators = _generators(seeds, given, teams)
+            self.realism = begin(given, self.poses, robot.time_step, generators)
 
     @property
     def violations(self) -> BatchViolations:
@@ -275,14 +275,21 @@ def _are_within(commands: Array, largest: float) -> bool:
 
 def _generators(
     seeds: Sequence[int | np.random.Generator] | None,
-    profiles: Sequence[Profile | None],
+    given: Sequence[TeamRealism],
     teams: int,
 ) -> list[np.random.Generator]:
     if seeds is None or len(seeds) != teams:
         got = "none" if seeds is None else len(seeds)
         raise CommandError(f"seeds: got {got}; expected {teams} with realism, one for each team")
-    if len(profiles) != teams:
+    if len(given) != teams:
         raise CommandError(
-            f"realism: got {len(profiles)} profiles; expected one, or {teams}, one for each team"
+            f"realism: got {len(given)} profiles; expected one, or {teams}, one for each team"
+        )
+    own = [one for one in given if one is not None and not isinstance(one, Profile)]
+    objects = len({id(one) for one in own})
+    if objects < len(own):  # they remember what was driven
+        raise CommandError(
+            f"realism: got {objects} objects for {len(own)} teams; expected one of its own for"
+            " each team that is given no profile"
         )
     return [np.random.default_rng(seed) for seed in seeds]

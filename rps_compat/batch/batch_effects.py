@@ -1,18 +1,24 @@
-"""Realism profiles for many teams: the effects of one team, asked for a team of all robots."""
+"""Imperfections for many teams: a profile's effects are asked for one team of all robots.
+
+What is not a profile, or has steps of different lengths, is asked team by team.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol, cast
+from typing import Protocol, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rps_compat.arena import WRAPPED_BEYOND
-from rps_compat.arena_guests import Array
+from rps_compat.arena_guests import Array, HearsSilence, KeepsTime, Realism
 from rps_compat.batch.random_streams import RandomStreams
 from rps_compat.batch.team_profiles import kinds_of
 from rps_compat.realism import Imperfections, Profile
+
+#: What a team may be given: effects to begin, or what an arena of its own takes; None is ideal.
+TeamRealism: TypeAlias = Profile | Realism | None
 
 
 class BatchRealism(Protocol):
@@ -54,17 +60,17 @@ class BatchRealism(Protocol):
 
 
 def begin(
-    profiles: Sequence[Profile | None],
+    given: Sequence[TeamRealism],
     poses: Array,
     time_step: float,
     generators: Sequence[np.random.Generator],
 ) -> BatchRealism | None:
-    """Begin a run of each team under its profile; None where nothing is on.
+    """Begin a run of each team under its imperfections; None where nothing is on.
 
     Parameters
     ----------
-    profiles : sequence of B Profile or None
-        Which effects each team has; None is ideal.
+    given : sequence of B Profile, Realism or None
+        Which effects each team has, or what imperfections; None is ideal.
     poses : (B, 3, N) array
         Where the robots stand, m and rad.
     time_step : float
@@ -72,14 +78,22 @@ def begin(
     generators : sequence of Generator
         Where each team draws from.
     """
-    kinds = []
-    for profile, teams in kinds_of(profiles):
+    profiles = {t: one for t, one in enumerate(given) if one is None or isinstance(one, Profile)}
+    own = [team for team in range(len(given)) if team not in profiles]
+    kinds: list[tuple[BatchRealism | None, NDArray[np.intp]]] = []
+    if own:
+        realisms = [cast(Realism, given[team]) for team in own]
+        chance = [generators[team] for team in own]
+        kinds.append((_EachTeam(realisms, poses[own], time_step, chance), np.array(own)))
+    profiled = list(profiles)
+    for profile, places in kinds_of(list(profiles.values())):
+        teams = [profiled[place] for place in places]
         chance = [generators[team] for team in teams]
         one: BatchRealism | None = None
         if profile is not None and profile.clock is None:
             one = _OneLargeTeam(profile, poses[teams], time_step, chance)
         elif profile is not None:  # steps of different lengths have nothing in common
-            each = [cast(Profile, profiles[team]) for team in teams]
+            each = [Imperfections(cast(Profile, profiles[team])) for team in teams]
             one = _EachTeam(each, poses[teams], time_step, chance)
         kinds.append((one, np.array(teams)))
     return kinds[0][0] if len(kinds) == 1 else _Kinds(kinds)
@@ -117,25 +131,29 @@ class _EachTeam(BatchRealism):
 
     def __init__(
         self,
-        profiles: Sequence[Profile],
+        teams: Sequence[Realism],
         poses: Array,
         time_step: float,
         generators: Sequence[np.random.Generator],
     ) -> None:
-        self._teams = [Imperfections(profile) for profile in profiles]
+        self._teams = tuple(teams)
+        self._steps = 0
         for realism, stood, generator in zip(self._teams, poses, generators, strict=True):
             realism.reset(stood, time_step, generator)
 
     def drive(self, commands: Array, poses: Array, time_step: float, fresh: bool) -> Array:
-        velocities = np.zeros(commands.shape)
+        velocities, time = np.zeros(commands.shape), self._steps * time_step
+        self._steps += 1
         for team, realism in enumerate(self._teams):
-            realism.commanded = fresh
-            for seconds in realism.parts():
-                realism.seconds = seconds
-                driven = realism.actuate(commands[team], poses[team], 0.0)
+            timer = cast(KeepsTime, realism) if hasattr(realism, "parts") else None
+            for part, seconds in enumerate((time_step,) if timer is None else timer.parts()):
+                if hasattr(realism, "commanded"):
+                    cast(HearsSilence, realism).commanded = fresh and part == 0
+                if timer is not None:
+                    timer.seconds = seconds
+                driven = realism.actuate(commands[team], poses[team], time)
                 move(driven[None], poses[team : team + 1], seconds)
                 velocities[team] += seconds / time_step * driven
-                realism.commanded = False
         return velocities
 
     def observe(self, poses: Array) -> Array:

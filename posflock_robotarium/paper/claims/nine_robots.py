@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from posflock_robotarium.paper.claim import Claim, Sense
-from posflock_robotarium.paper.measurements import robots_median
+from posflock_robotarium.paper.claim import MOST, NEARLY_ALL, Claim, Sense
+from posflock_robotarium.paper.measurements import (
+    robots_consistent,
+    robots_median,
+    robots_safe,
+)
 
 CLAIMS: tuple[Claim, ...] = (
     Claim(
@@ -23,24 +25,18 @@ CLAIMS: tuple[Claim, ...] = (
         "“coherent flocking behavior was consistently observed” despite “actuation inaccuracies”",
         "share of seeds whose mean γ from motion for t > 20 s is 0.85 or more, with 10 % actuation"
         " noise and 1 mm tracking noise",
-        lambda evidence: float(np.mean(evidence.imperfect_robots.of("gamma_motion") >= 0.85)),
+        robots_consistent,
         Sense.AT_LEAST,
-        1.0,
-        0.9,
+        NEARLY_ALL,
+        MOST,
     ),
     Claim(
         "robots-safe",
         "nine robots: velocities “conservatively saturated … to accommodate the compact arena”",
-        "collisions and steps outside the arena, all seeds, ideal and noisy",
-        lambda evidence: float(
-            sum(
-                robots.of(name).sum()
-                for robots in (evidence.robots, evidence.imperfect_robots)
-                for name in ("collisions", "steps_outside")
-            )
-        ),
-        Sense.AT_MOST,
-        0.0,
-        0.0,
+        "share of seeds without a collision and without a step outside the arena, ideal and noisy",
+        robots_safe,
+        Sense.AT_LEAST,
+        NEARLY_ALL,
+        MOST,
     ),
 )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from posflock_robotarium.paper.claim import Claim, Result, Sense
+from posflock_robotarium.paper.claim import MOST, NEARLY_ALL, Claim, Result, Sense
 from posflock_robotarium.paper.measurements import (
     P,
     V,
@@ -20,8 +20,8 @@ CLAIMS: tuple[Claim, ...] = (
         " than in V-based",
         pairs_less("nearest_neighbour_end", P, V),
         Sense.AT_LEAST,
-        0.95,
-        0.75,
+        NEARLY_ALL,
+        MOST,
     ),
     Claim(
         "smaller-radius",
@@ -30,8 +30,8 @@ CLAIMS: tuple[Claim, ...] = (
         " than in V-based",
         pairs_less("cohesive_radius_end", P, V),
         Sense.AT_LEAST,
-        0.95,
-        0.75,
+        NEARLY_ALL,
+        MOST,
         reasons={
             Result.DOES_NOT_HOLD: "Neighbours are closer but the flock is wider: the imprint keeps"
             " the extent of the first square, which V-based flocks contract from.",
