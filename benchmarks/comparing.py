@@ -68,21 +68,40 @@ class Times:
 
 @dataclass(frozen=True)
 class Bar:
-    """One requirement, and what was measured; `sense` is ≥ or ≤."""
+    """One requirement, and what was measured; `sense` is ≥ or ≤.
+
+    A number over seeds comes with its `interval`, which is judged in its place: the requirement is
+    met by the whole of it, or missed by the whole of it, or else not settled.
+    """
 
     what: str
     measured: float
     sense: str
     required: float
     unit: str = ""
+    interval: tuple[float, float] | None = None
 
     @property
     def holds(self) -> bool:
         """Whether it is met."""
-        met = (
-            self.measured >= self.required if self.sense == "≥" else self.measured <= self.required
-        )
-        return bool(met)
+        return all(self._met(end) for end in self._ends)
+
+    @property
+    def missed(self) -> bool:
+        """Whether it is not met, and that is settled."""
+        return not any(self._met(end) for end in self._ends)
+
+    @property
+    def verdict(self) -> str:
+        """In a word or two."""
+        return "ok" if self.holds else "MISSED" if self.missed else "not settled"
+
+    @property
+    def _ends(self) -> tuple[float, ...]:
+        return (self.measured,) if self.interval is None else self.interval
+
+    def _met(self, value: float) -> bool:
+        return bool(value >= self.required if self.sense == "≥" else value <= self.required)
 
 
 class Table:
@@ -96,7 +115,7 @@ class Table:
     @property
     def missed(self) -> int:
         """How many requirements were missed."""
-        return sum(not bar.holds for bar in self.bars)
+        return sum(bar.missed for bar in self.bars)
 
     def part(self, title: str) -> None:
         """Print a heading; what follows belongs to it, and may be called as in another part."""
@@ -112,11 +131,15 @@ class Table:
         unit: str = "",
         *,
         beside: str = "",
+        interval: tuple[float, float] | None = None,
     ) -> None:
         """Print one requirement; `sense` is ≥ or ≤, and `beside` is said without judging."""
-        bar = Bar(self._part + what, float(measured), sense, float(required), unit)
+        bar = Bar(self._part + what, float(measured), sense, float(required), unit, interval)
         self.bars.append(bar)
-        verdict = ("ok" if bar.holds else "MISSED") + (f"   ({beside})" if beside else "")
+        if interval is not None:
+            ends = f"95 % interval {interval[0]:.4g} to {interval[1]:.4g}"
+            beside = f"{ends}; {beside}" if beside else ends
+        verdict = bar.verdict + (f"   ({beside})" if beside else "")
         figures = f"{measured:>9.4g} {unit:<6} {sense} {required:<7g}"
         print(f"  {what:<{self._width}}{figures}{verdict}", flush=True)
 
@@ -131,7 +154,11 @@ class Table:
 
     def exit_code(self) -> int:
         """Say how many requirements were missed; 1 if any was."""
-        print("every requirement holds" if not self.missed else f"{self.missed} missed")
+        unsettled = sum(not bar.holds and not bar.missed for bar in self.bars)
+        if self.missed or unsettled:
+            print(f"{self.missed} missed" + (f", {unsettled} not settled" if unsettled else ""))
+        else:
+            print("every requirement holds")
         return int(self.missed > 0)
 
 

@@ -8,12 +8,13 @@ import pytest
 from barrier_certificates.batch import BatchCertificate, numba_is_installed
 from barrier_certificates.unicycle import UnicycleCertificate
 from rps_compat.arena import Arena
+from rps_compat.arena_guests import Realism
 from rps_compat.batch import BatchArena, Hold, Rollout, ToGoals, rollout
 from rps_compat.batch.team_profiles import kinds_of
 from rps_compat.distributions import DistributionKind, RobotDistribution, constant
 from rps_compat.errors import CommandError, InitialConditionsError
 from rps_compat.profiles import NAMES, load_profile
-from rps_compat.realism import Lag, Profile
+from rps_compat.realism import Imperfections, Lag, Profile
 
 #: What compiles takes ten seconds, where nobody has before.
 ENGINES = (
@@ -101,6 +102,48 @@ def test_teams_that_differ_in_what_robots_draw_are_one_large_team() -> None:
     assert kinds_of([None, load_profile("ideal")]) == [(None, [0, 1])]
 
 
+class Fading(Realism):
+    """Motors that weaken with time, and tracking that is off: no more than the protocol asks."""
+
+    def reset(self, poses, time_step, rng):
+        self.rng = rng
+
+    def actuate(self, velocities, poses, time):
+        return velocities / (1.0 + time)
+
+    def observe(self, poses):
+        return poses + self.rng.normal(0.0, 0.01, poses.shape)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_every_team_may_have_imperfections_of_its_own(engine: str) -> None:
+    def given(harsh: Profile | Realism) -> list[Profile | Realism | None]:
+        return [Fading(), None, harsh, Fading()]
+
+    BatchArena(starts(), realism=[Fading() for _ in starts()], seeds=range(TEAMS), engine=engine)
+    harsh = load_profile("gternal")
+
+    batch = BatchArena(starts(), realism=given(harsh), seeds=range(TEAMS), engine=engine)
+    alone = [
+        Arena(poses, realism=realism, rng=np.random.default_rng(team))
+        for team, (poses, realism) in enumerate(
+            zip(starts(), given(Imperfections(harsh)), strict=True)
+        )
+    ]
+    batch.commands = np.random.default_rng(5).uniform(-0.1, 0.1, (TEAMS, 2, ROBOTS))
+    for team, arena in enumerate(alone):
+        arena.commands = batch.commands[team].copy()
+    for _ in range(30):  # a command, then silence
+        seen = batch.observe()
+        batch.step()
+        for team, arena in enumerate(alone):
+            np.testing.assert_allclose(seen[team], arena.observe(), rtol=0, atol=1e-12)
+            arena.step()
+            np.testing.assert_allclose(batch.velocities[team], arena.velocities, atol=1e-12)
+    for team, arena in enumerate(alone):
+        np.testing.assert_allclose(batch.poses[team], arena.poses, rtol=0, atol=1e-12)
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(not numba_is_installed(), reason="needs numba")
 def test_a_compiled_rollout_is_the_steps_one_by_one() -> None:
@@ -168,6 +211,11 @@ def test_what_makes_no_sense_is_refused() -> None:
         BatchArena(starts(), realism=load_profile("gritsbot_x"))
     with pytest.raises(CommandError, match="realism: got 2 profiles; expected one, or 4"):
         BatchArena(starts(), realism=DRAWN[:2], seeds=range(TEAMS))
+
+    with pytest.raises(CommandError, match="got 1 objects for 4 teams; expected one of its own"):
+        BatchArena(starts(), realism=[Fading()] * TEAMS, seeds=range(TEAMS))
+    with pytest.raises(CommandError, match="got 3 profiles; expected one, or 4"):
+        BatchArena(starts(), realism=[Fading(), Fading(), Fading()], seeds=range(TEAMS))
     arena = BatchArena(starts())
     arena.commands = np.zeros((2, ROBOTS))
     with pytest.raises(CommandError, match=r"need \(4, 2, 5\)"):

@@ -26,6 +26,24 @@ def measured(speed):
     return table
 
 
+@pytest.mark.parametrize(
+    ("interval", "verdict", "code"),
+    [
+        ((1.0, 2.0), "ok", 0),
+        ((1.5, 2.5), "not settled", 0),
+        ((2.1, 2.5), "MISSED", 1),
+        (None, "MISSED", 1),
+    ],
+)
+def test_a_bar_over_seeds_is_judged_by_the_whole_interval(history, capsys, interval, verdict, code):
+    from comparing import Table
+
+    table = Table()
+    table.bar("a number", 2.2, "≤", 2.0, interval=interval)
+    assert table.exit_code() == code
+    assert f" {verdict}" in capsys.readouterr().out.splitlines()[0]
+
+
 def test_rows_are_added_where_that_is_asked_for_and_drawn(history, tmp_path, monkeypatch):
     monkeypatch.delenv(history.VARIABLE, raising=False)
     assert history.recorded("steps", measured(1.5), tmp_path) == 0

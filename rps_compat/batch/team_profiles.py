@@ -58,7 +58,7 @@ def kinds_of(profiles: Sequence[Profile | None]) -> list[tuple[Profile | None, l
     list of (Profile or None, list of int)
         Which teams are alike but for distributions, in their order, and what they are together.
     """
-    if all(profile is profiles[0] for profile in profiles):
+    if profiles and all(profile is profiles[0] for profile in profiles):
         return [(_large_team(profiles[:1]), list(range(len(profiles))))]
     kinds: dict[str, list[int]] = {}
     for team, profile in enumerate(profiles):
