@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from scipy.stats import binomtest
 
+from posflock_robotarium.alignment import intervals as intervals_module
 from posflock_robotarium.alignment.intervals import (
     mean_interval,
     median_interval,
@@ -62,6 +63,15 @@ def test_the_interval_of_a_median_is_that_of_resampling_it(runs):
     plain = np.percentile(np.median(values[drawn], axis=1), [2.5, 97.5], method="nearest")
     places = np.searchsorted(values, [plain, median_interval(values)])
     assert np.abs(np.diff(places, axis=0)).max() <= 1 + runs // 50
+
+
+def test_the_interval_of_a_median_is_the_same_in_every_process():
+    values = np.random.default_rng(7).normal(size=101)
+    intervals = set()
+    for _ in range(5):
+        intervals.add(median_interval(values))
+        intervals_module._ranks_of_medians.cache_clear()  # as in a process that has just begun
+    assert len(intervals) == 1
 
 
 @given(
