@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from typer.testing import CliRunner
 
@@ -22,15 +22,17 @@ from posflock_robotarium.freespace import simulation as freespace
 from posflock_robotarium.freespace.simulation import FreeSpace
 from posflock_robotarium.paper.claim import Claim, Result, Sense
 from posflock_robotarium.paper.claims import CLAIMS, judge_all
+from posflock_robotarium.paper.evidence import Varied
 from posflock_robotarium.paper.gathering import gather
 from posflock_robotarium.paper.measured import Measured, exact, median_of, share_of
 from posflock_robotarium.paper.measurements import robots_safe
+from posflock_robotarium.paper.paper_figures import parameters
 from posflock_robotarium.paper.reproduction import reproduce
 from posflock_robotarium.paper.robots import WhiteNoise, drive
 from posflock_robotarium.simulation.flock_trial import simulate
 
-#: A quarter of the agents for a quarter of the time, at the paper's density.
-REHEARSAL = FreeSpace(agents=12, side=12.25, duration=24.0, record_interval=0.5)
+#: A quarter of the agents for a fifth of the time, at the paper's density.
+REHEARSAL = FreeSpace(agents=12, side=12.25, duration=21.0, record_interval=0.5)
 
 
 def laid_out(figure, folder, name):
@@ -45,7 +47,7 @@ def found(tmp_path_factory):
     folder = tmp_path_factory.mktemp("rehearsal")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("posflock_robotarium.paper.paper_figures.save", laid_out)
-        return reproduce(folder, seeds=3, paper=REHEARSAL, driving=21.0, workers=1)
+        return reproduce(folder, seeds=3, paper=REHEARSAL, driving=20.5, workers=1)
 
 
 @pytest.fixture(scope="module")
@@ -137,6 +139,7 @@ def test_without_an_interval_nothing_is_settled(measured):
     assert judgement.as_dict()["interval"] is None
 
 
+@settings(max_examples=50)
 @given(st.integers(3, 200), st.data(), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
 def test_two_sets_of_seeds_whose_intervals_meet_are_not_told_opposite_things(n, data, one, other):
     """A claim flips between "holds" and "does not hold" only where intervals are apart."""
@@ -183,9 +186,9 @@ def test_what_is_said_of_all_robots_is_counted_by_seed(found):
 
 
 def test_a_team_among_many_drives_as_it_would_alone():
-    together = drive((5, 1, 4), imperfect=True, duration=2.0)
+    together = drive((5, 1), imperfect=True, duration=1.0)
     start = random_poses(9, np.random.default_rng(1), side=1.0, spacing=0.30)
-    alone = simulate(Flock(), start, 2.0, realism=WhiteNoise(), seed=1)
+    alone = simulate(Flock(), start, 1.0, realism=WhiteNoise(), seed=1)
     gamma = analyse(alone.truth()).curves["gamma_motion"]
     np.testing.assert_allclose(together.gamma_motion[1], gamma, rtol=0, atol=1e-9)
     assert not np.allclose(together.gamma_motion[0], gamma, rtol=0, atol=1e-6)
@@ -231,6 +234,15 @@ def test_every_figure_is_written_twice_and_tables_hold_every_variation(found):
     folder = next(path.parent for path in found.paths if path.name == "tables.md")
     rows = (folder / "table_variations.csv").read_text().splitlines()
     assert len(rows) == 1 + len(found.evidence.variations)
+
+
+def test_a_curve_is_drawn_over_the_same_seeds_at_every_value(found):
+    """What is judged at one value has more; the curve would bend there."""
+    drawn = parameters(found.evidence).axes[0].containers
+    for container, model in zip(drawn, Model, strict=True):
+        _, numbers = found.evidence.study(Varied.TIME_STEP, model)
+        expected = [np.median(each["gamma_settled"][:2]) for each in numbers]
+        np.testing.assert_allclose(container.lines[0].get_ydata(), expected)
 
 
 def test_evidence_does_not_depend_on_workers(found):

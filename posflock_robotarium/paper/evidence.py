@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from enum import Enum
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -185,7 +186,12 @@ class Evidence:
         dict of (B,) arrays
             By the key of the number, as in `summarise`; over seeds.
         """
-        return summarise(self.measures[model])
+        return self._numbers[model]
+
+    @cached_property
+    def _numbers(self) -> dict[Model, dict[str, Floats]]:
+        """Computed once: most claims and every row of a table ask for one of them."""
+        return {model: summarise(measures) for model, measures in self.measures.items()}
 
     def study(self, study: Varied, model: Model) -> tuple[Floats, list[dict[str, Floats]]]:
         """Return the values of a variation, and the summary numbers at each.

@@ -322,10 +322,11 @@ def three_dimensions(evidence: Evidence) -> Figure:
     """
     figure = new_figure(3.5, 2.4)
     axes = figure.subplots()
-    for variation, measures in evidence.variations:
-        if variation.study is Varied.THREE_DIMENSIONS:
-            _curve(axes, measures.times, measures.gamma, variation.scenario.model, single=False)
-            axes.set_xlim(0, measures.times[-1])
+    drawn = [each for each in evidence.variations if each[0].study is Varied.THREE_DIMENSIONS]
+    gammas = _over_common_seeds([measures.gamma for _, measures in drawn])
+    for (variation, measures), gamma in zip(drawn, gammas, strict=True):
+        _curve(axes, measures.times, gamma, variation.scenario.model, single=False)
+        axes.set_xlim(0, measures.times[-1])
     axes.set(xlabel="time (s)", ylabel="alignment γ (–)")
     axes.legend(loc="lower right")
     return figure
@@ -353,8 +354,7 @@ def _line(axes: Axes, times: Floats, values: Floats, single: bool, label: str, l
 def _spread(axes: Axes, evidence: Evidence, curve: _Curve, name: str) -> Floats:
     """Draw the medians of a number with bars from quartile to quartile; return the values."""
     values, numbers = evidence.study(curve.study, curve.model)
-    # Value by value: what a claim is judged by has more seeds than the rest.
-    low, middle, high = np.transpose([_quartiles(each[name]) for each in numbers])
+    low, middle, high = _quartiles(np.transpose(_over_common_seeds([n[name] for n in numbers])))
     axes.errorbar(
         values,
         middle,
@@ -369,6 +369,16 @@ def _spread(axes: Axes, evidence: Evidence, curve: _Curve, name: str) -> Floats:
         linestyle=curve.look.dash,
     )
     return values
+
+
+def _over_common_seeds(runs: Sequence[Floats]) -> list[Floats]:
+    """Cut runs (B, ...) to the seeds that all have.
+
+    What a claim is judged by is run over more; with other seeds at one value than at the next, a
+    curve would bend where nothing but the seeds changes.
+    """
+    fewest = min(len(each) for each in runs)
+    return [each[:fewest] for each in runs]
 
 
 def _quartiles(runs: Floats) -> Sequence[Floats]:
