@@ -180,7 +180,7 @@ class Judgement:
         if measured.runs is None:
             return value
         if measured.interval is None:
-            return f"{value} over {measured.runs} seeds, too few for an interval"
+            return f"{value} over {measured.runs} seeds, which tell no interval"
         low, high = measured.interval
         return f"{value} over {measured.runs} seeds, 95 % interval {low:.3g} to {high:.3g}{unit}"
 
