@@ -8,8 +8,8 @@ an environment of its own, where one is named:
     git clone https://github.com/shalin-jain/robotarium_python_simulator simulator
     python benchmarks/batch_speed.py --jax jax/bin/python --simulator simulator
 
-Prints a line a cell with the least clearance of two projection points (its own at the end of a
-rollout, ours over all steps) and the largest violated row, and exits 1 where a bar is missed.
+Prints a line a cell with the least clearance of two projection points and the largest violated row,
+its own at the end of a rollout and ours over all steps, and exits 1 where a bar is missed.
 """
 
 from __future__ import annotations
@@ -18,18 +18,16 @@ import argparse
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from datetime import date
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 
-from comparing import Table, Times, cpu
-
-if hasattr(os, "sched_setaffinity") and "--two" not in sys.argv:
-    os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
-
 import numpy as np
 from batch_teams import AHEAD, GAIN, KINDS, RADIUS, SPEED, TIME_STEP, steps_of, teams
+from comparing import Table, Times, cpu
 
 from barrier_certificates.batch import BatchCertificate
 from barrier_certificates.unicycle import UnicycleCertificate
@@ -115,14 +113,14 @@ class Rival:
         )
         assert self.process.stdout is not None
         self.version = self.process.stdout.readline().strip()
-        self.clearance = np.nan
+        self.clearance = self.violation = np.nan
 
     def seconds(self, kind: str, mode: str, number: int, steps: int, times: int = 1) -> float:
         """Return the CPU seconds of so many steps, done so many times."""
         assert self.process.stdin is not None
         assert self.process.stdout is not None
         print(kind, mode, number, steps, times, file=self.process.stdin, flush=True)
-        seconds, self.clearance = map(float, self.process.stdout.readline().split())
+        seconds, self.clearance, self.violation = map(float, self.process.stdout.readline().split())
         return seconds
 
 
@@ -156,7 +154,8 @@ def cell(table: Table, rival: Rival | None, kind: str, mode: str, number: int, r
         theirs = number * few / times.median("rival")
         ratio = 1 / times.ratio("batch", "rival") * (steps / few)
         jax = f"{theirs:.3g}"
-        jax_clearance = f", theirs {1e3 * rival.clearance:.1f} mm" if kind != "bare" else ""
+        if kind != "bare":
+            jax_clearance = f", theirs {1e3 * rival.clearance:.1f} mm, {rival.violation:.2g} m/s"
         table.bar(f"{name}, × JaxRobotarium", ratio, "≥", more_than_rival)
     ratio = number * steps / reference / times.ratio("batch", "alone")
     bar = more_than_one if rival is None or kind in ("packed", "swap") else 0.0
@@ -179,6 +178,39 @@ def numpy_alone(table: Table, rounds: int) -> None:
     table.bar("bare, numpy alone, B=1024, × the single arena", ratio, "≥", 12.0)
 
 
+def pinned() -> set[int]:
+    """Stay on one processor from here on; return those that there are."""
+    if not hasattr(os, "sched_setaffinity"):
+        return set()
+    processors = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {max(processors)})
+    return processors
+
+
+def two_processors(table: Table, rounds: int, processors: set[int]) -> None:
+    """Judge teams shared between two processors by the clock: nothing else may run beside them."""
+    if len(processors) < 2:
+        print("  two processors: not measured, for there is one")
+        return
+    os.sched_setaffinity(0, processors)  # before threads begin, which inherit it
+    for kind in ("bare", "packed"):
+        batches = {threads: Batch(kind, 4096, threads=threads) for threads in (1, 2)}
+        steps = steps_of(kind, 4096)
+
+        def clock(batch: Batch, steps: int = steps) -> float:
+            began = time.perf_counter()
+            batch.roll(steps)
+            return time.perf_counter() - began
+
+        times = Times({str(n): partial(clock, batch) for n, batch in batches.items()}, rounds)
+        table.bar(
+            f"{kind} rollout B=4096, two processors, by the clock",
+            1 / times.ratio("2", "1"),
+            "≥",
+            1.8,
+        )
+
+
 def main() -> int:
     """Time what is asked for."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -189,6 +221,7 @@ def main() -> int:
     parser.add_argument("--modes", nargs="+", default=["rollout", "single"])
     parser.add_argument("--rounds", type=int, default=5)
     asked = parser.parse_args()
+    processors = pinned()  # before the other process begins, which inherits it
     rival = Rival(asked.jax, asked.simulator) if asked.jax and asked.simulator else None
     print(
         f"{date.today()}, Python {sys.version.split()[0]}, numpy {np.__version__}, numba"
@@ -200,6 +233,7 @@ def main() -> int:
             for number in asked.teams:
                 cell(table, rival, kind, mode, number, asked.rounds)
     numpy_alone(table, asked.rounds)
+    two_processors(table, asked.rounds, processors)
     return table.exit_code()
 
 
