@@ -145,6 +145,7 @@ bench-paper: $(VENV)/.dev  ## the paper's table over seeds, what flocks and swee
 
 bench-batch: $(VENV)/.dev  ## thousands of teams at once: JAX=python-with-jax SIMULATOR=folder-of-rps_jax, else without
 	$(BIN)/python benchmarks/batch_speed.py $(if $(JAX),--jax $(JAX) --simulator $(SIMULATOR))
+	$(BIN)/python benchmarks/batch_growth.py $(if $(JAX),--jax $(JAX) --simulator $(SIMULATOR))
 	$(BIN)/python benchmarks/batch_flock_speed.py
 
 bench-libraries: $(VENV)/.dev  ## other libraries for barrier functions: LIBRARIES="--cbfpy python-that-has-it ...", else ours alone

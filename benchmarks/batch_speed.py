@@ -26,7 +26,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
-from batch_teams import AHEAD, GAIN, KINDS, RADIUS, SPEED, TIME_STEP, steps_of, teams
+from batch_teams import AHEAD, GAIN, KINDS, RADIUS, ROBOTS, SPEED, TIME_STEP, steps_of, teams
 from comparing import Table, Times, cpu
 
 from barrier_certificates.batch import BatchCertificate
@@ -47,9 +47,16 @@ _LEAST_STEPS = 6_000  # of teams, in a row: fewer are timed before a processor h
 class Batch:
     """Ours: a batch of teams, in a rollout or step by step."""
 
-    def __init__(self, kind: str, number: int, engine: str = "numba", threads: int = 1) -> None:
-        self.kind, self.engine, self.threads = kind, engine, threads
-        self.poses, self.target = teams(kind, number)
+    def __init__(
+        self,
+        kind: str,
+        number: int,
+        engine: str = "numba",
+        threads: int = 1,
+        robots: int = ROBOTS,
+    ) -> None:
+        self.kind = kind
+        self.poses, self.target = teams(kind, number, robots=robots)
         self.arena = BatchArena(self.poses, engine=engine, threads=threads)
         self.certificate = BatchCertificate(CERTIFICATE, engine=engine, threads=threads)
         self.outcome: RolloutOutcome | None = None

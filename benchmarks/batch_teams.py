@@ -1,4 +1,4 @@
-"""Teams of nine robots that batches are timed on: bare, spread, packed, swapping places.
+"""Teams that batches are timed on: bare, spread, packed, swapping places.
 
 Plain numpy, so that simulators in environments of their own can import it, too.
 """
@@ -20,7 +20,9 @@ TIME_STEP = 0.033
 KINDS = ("bare", "spread", "packed", "swap")
 
 
-def teams(kind: str, number: int, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
+def teams(
+    kind: str, number: int, seed: int = 0, robots: int = ROBOTS
+) -> tuple[np.ndarray, np.ndarray]:
     """Return poses (B, 3, N), and goals (B, 2, N); of bare teams unicycle commands instead.
 
     Parameters
@@ -33,19 +35,24 @@ def teams(kind: str, number: int, seed: int = 0) -> tuple[np.ndarray, np.ndarray
         Number of teams, B.
     seed : int
         What they are drawn from.
+    robots : int
+        Robots of a team, N, a square number; more than nine are packed or bare.
     """
-    rng = np.random.default_rng(seed)
-    grid = np.array(np.meshgrid([-1.0, 0.0, 1.0], [-1.0, 0.0, 1.0])).reshape(2, -1)
+    rng, side = np.random.default_rng(seed), np.sqrt(robots)
+    along = np.arange(side) - 0.5 * (side - 1.0)
+    grid = np.array(np.meshgrid(along, along)).reshape(2, -1)
+    if robots > ROBOTS:
+        grid *= 3.0 / side if kind == "bare" else 1.0  # in the arena, whoever they pass
     apart = {"packed": np.array([0.215, 0.215]), "swap": np.array([0.45, 0.45])}
     points = grid * apart.get(kind, np.array([1.0, 0.7]))[:, None]
     shake = {"packed": 0.007, "swap": 0.03}.get(kind, 0.05)
-    points = points + rng.uniform(-shake, shake, (number, 2, ROBOTS))
-    heading = rng.uniform(-np.pi, np.pi, (number, 1, ROBOTS))
+    points = points + rng.uniform(-shake, shake, (number, 2, robots))
+    heading = rng.uniform(-np.pi, np.pi, (number, 1, robots))
     axle = points - AHEAD * np.concatenate([np.cos(heading), np.sin(heading)], axis=1)
     poses = np.concatenate([axle, heading], axis=1)
     if kind == "bare":
         limits = np.array([0.02, 0.5])[:, None]
-        return poses, rng.uniform(-limits, limits, (number, 2, ROBOTS))
+        return poses, rng.uniform(-limits, limits, (number, 2, robots))
     if kind == "spread":
         return poses, points + rng.uniform(-0.3, 0.3, points.shape)
     return poses, np.zeros_like(points) if kind == "packed" else -points

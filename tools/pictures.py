@@ -4,9 +4,9 @@
 
 They are what anybody gets: the figure that `posflock demo` leaves, the page that `posflock report`
 makes of its log, the live page of `posflock watch`. Pages are opened in Chromium, as the tests of
-pages do. The other two pictures are benchmarks' own and renewed with their figures:
-`benchmarks/barrier_speed.py` draws ``barrier-speed.png``, `benchmarks/freespace_speed.py` draws
-``growth.png``.
+pages do. Three other pictures are benchmarks' own and renewed with their figures:
+`benchmarks/barrier_speed.py` draws ``barrier-speed.png``, `benchmarks/freespace_speed.py`
+``growth.png``, `benchmarks/batch_growth.py` ``batch-growth.png``.
 """
 
 from __future__ import annotations
