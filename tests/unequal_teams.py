@@ -13,6 +13,27 @@ from barrier_certificates.unicycle import UnicycleCertificate
 ARENA = (-1.6, 1.6, -1.0, 1.0)
 OBSTACLE = Disc((0.2, -0.1), 0.08, velocity=(0.02, -0.01))
 
+# A large slow robot with wheels of its own among small fast ones.
+SIZES = np.array([0.5, 0.12, 0.12, 0.12, 0.2])
+SPEEDS = np.array([0.05, 0.3, 0.3, 0.2, 0.15])
+GAINS = np.array([2e3, 2e4, 5e4, 2e4, 1e4])
+AHEAD = np.array([0.12, 0.03, 0.03, 0.05, 0.05])
+DRIVE = {
+    "projection_distance": AHEAD,
+    "speed_limit": SPEEDS,
+    "turn_rate_limit": [0.5, 3.0, 3.0, 2.0, 1.0],
+    "wheel_limit": [4.0, 20.0, 20.0, 15.0, 12.5],
+    "wheel_radius": [0.05, 0.016, 0.016, 0.016, 0.02],
+    "base_length": [0.3, 0.08, 0.08, 0.105, 0.105],
+}
+
+
+def clearances(points):
+    """Return how much farther apart any two robots are than both of their discs."""
+    first, second = np.triu_indices(points.shape[1], 1)
+    apart = np.hypot(*(points[:, first] - points[:, second]))
+    return apart - 0.5 * (SIZES[first] + SIZES[second])
+
 
 @dataclass(frozen=True)
 class Team:
