@@ -70,7 +70,7 @@ docs-links: $(VENV)/.docs  ## every address outside of the project that the docu
 pictures: $(VENV)/.dev  ## the pictures of the documentation that show figure, report and live page, renewed
 	$(BIN)/python tools/pictures.py
 
-test-slow: $(VENV)/.dev  ## the tests that take minutes
+test-slow: $(VENV)/.dev $(VENV)/.release  ## the tests that take minutes
 	$(BIN)/python -m pytest -m slow $(PYTEST_ARGS)
 
 test-numpy1: $(VENV)/.dev  ## the test suite on NumPy 1.26, the oldest that is supported

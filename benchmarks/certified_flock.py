@@ -19,9 +19,11 @@ import numpy as np
 from comparing import Table
 from nine_robots import DURATION, start_of
 
+from barrier_certificates.late.late_certificate import LateCertificate
 from posflock_robotarium.alignment import metrics
 from posflock_robotarium.alignment.options import TRANSIENT
 from posflock_robotarium.flocking.flock import EXPERIMENT_CERTIFICATE, Flock
+from posflock_robotarium.flocking.placement import random_poses
 from posflock_robotarium.flocking.pose_log import INTERVENED
 from rps_compat.arena import Arena, Array
 from rps_compat.initial import near
@@ -61,14 +63,25 @@ MAKE: dict[str, Callable[[], Flock]] = {
 }
 
 
+def start_for(flock: Flock, seed: int) -> Array:
+    """Return where a seed starts: no nearer than the certificate keeps robots after an arrival.
+
+    Robots that answer late are kept as much further apart as that costs; so are their starts.
+    """
+    if not isinstance(flock.certificate, LateCertificate):
+        return start_of(seed)
+    rng = np.random.default_rng(seed)
+    return random_poses(9, rng, side=1.2, spacing=0.36, look_ahead_spacing=0.39)
+
+
 def run(seed: int, make: Callable[[], Flock] = Flock, profile: str = "ideal") -> Figures:
     """Run one seed under a profile and return what was true of the robots."""
-    start, realism = start_of(seed), None
+    flock, realism = make(), None
+    start = start_for(flock, seed)
     if profile != "ideal":
         start = near(start, GTERNAL, np.random.default_rng([seed, 1]))
         realism = load_profile(profile).start()
     arena = Arena(start, GTERNAL, realism=realism, rng=np.random.default_rng([seed, 2]))
-    flock = make()
     steps = flock.steps_in(DURATION)
     poses = np.empty((steps, *start.shape))
     unsolved, by_pairs = 0, 0
