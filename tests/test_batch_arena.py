@@ -189,6 +189,10 @@ def test_a_rollout_goes_on_where_it_stood_and_tells_of_all_its_steps(engine: str
         np.testing.assert_array_equal(getattr(way.outcome, name), getattr(expected, name))
     with pytest.raises(CommandError, match=r"wish is of shape \(3, 2, 5\); expected \(2, 2, 5\)"):
         Rollout(arena, BatchCertificate(certificate), ToGoals(np.zeros((3, 2, 5))))
+    for go in (way.run, arena.run):
+        with pytest.raises(CommandError, match="steps: got -1; expected 0 or more"):
+            go(-1)
+    assert arena.steps == 12
 
 
 def test_parts_side_by_side_are_the_whole() -> None:

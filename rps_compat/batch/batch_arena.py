@@ -147,13 +147,15 @@ class BatchArena:
         Parameters
         ----------
         steps : int
-            How many.
+            How many, 0 or more.
 
         Raises
         ------
         CommandError
-            Commands that are not finite, or not of shape (B, 2, N). No robot has moved then.
+            Commands that are not finite, or not of shape (B, 2, N), or fewer steps than none. No
+            robot has moved then.
         """
+        require_steps(steps)
         fresh = self.commands is not self._held
         if fresh:
             self.commands = self._checked(self.commands)
@@ -267,6 +269,23 @@ class BatchArena:
                 except CommandError as error:
                     raise CommandError(f"team {team}: {error}") from None
         return copy
+
+
+def require_steps(steps: int) -> None:
+    """Refuse fewer steps than none.
+
+    Parameters
+    ----------
+    steps : int
+        How many are asked for.
+
+    Raises
+    ------
+    CommandError
+        If they are negative.
+    """
+    if steps < 0:
+        raise CommandError(f"steps: got {steps}; expected 0 or more")
 
 
 def _are_within(commands: Array, largest: float) -> bool:

@@ -11,7 +11,7 @@ from barrier_certificates.batch.batch_certificate import BatchCertificate
 from barrier_certificates.batch.certify import Answers
 from barrier_certificates.batch.compiling import over_teams
 from rps_compat.arena_guests import Array
-from rps_compat.batch.batch_arena import BatchArena
+from rps_compat.batch.batch_arena import BatchArena, require_steps
 from rps_compat.batch.rollout_kernel import (
     CLEARANCE,
     INTERVENTION,
@@ -204,8 +204,14 @@ class Rollout:
         Parameters
         ----------
         steps : int
-            How many steps.
+            How many steps, 0 or more.
+
+        Raises
+        ------
+        CommandError
+            If there are fewer than none.
         """
+        require_steps(steps)
         self._steps += steps
         if self._compiled:
             self._run_compiled(steps)
