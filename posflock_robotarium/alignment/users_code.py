@@ -106,6 +106,9 @@ def _told(path: Path, who: str, otherwise: str) -> Iterator[None]:
     beside, before = str(path.resolve().parent), set(sys.modules)
     # Last, so that a file of the user's never hides a library.
     sys.path.append(beside)
+    # Bytecode is taken for that of a file of the same size and second: after a quick edit of one
+    # digit, for another file's.
+    bytecode, sys.dont_write_bytecode = sys.dont_write_bytecode, True
     try:
         with contextlib.redirect_stdout(sys.stderr):
             yield
@@ -120,6 +123,7 @@ def _told(path: Path, who: str, otherwise: str) -> Iterator[None]:
         words = " ".join(str(error).split()) or "no reason given"
         raise MetricError(f"{where}: {who}{type(error).__name__}: {words}") from error
     finally:
+        sys.dont_write_bytecode = bytecode
         if beside in sys.path:
             sys.path.remove(beside)
         # What lies beside it is imported anew the next time: another folder may have such names.

@@ -55,11 +55,16 @@ def load(path: Path) -> None:
     sys.modules[name] = module
     if str(path.parent) not in sys.path:
         sys.path.append(str(path.parent))
+    # Bytecode is taken for that of a file of the same size and second: after a quick edit of one
+    # digit, for another file's.
+    bytecode, sys.dont_write_bytecode = sys.dont_write_bytecode, True
     try:
         spec.loader.exec_module(module)
     except Exception as error:
         del sys.modules[name]
         raise ModuleError(f"{path} fails: {type(error).__name__}: {error}") from error
+    finally:
+        sys.dont_write_bytecode = bytecode
 
 
 def code_of(experiment: Experiment, module: Path | None = None) -> str:
